@@ -9,7 +9,7 @@
 //! w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
 
 use crate::lanes::Lanes;
-use crate::root::Curve;
+use crate::numerics::root::Curve;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
 use core::hint::black_box;

@@ -1,8 +1,8 @@
 //! What is asked of curves, one a lane: where they turn round, when they come within a band for good, and values.
 
 use crate::lanes::Lanes;
-use crate::root::{Beyond, Curve, crossing, root};
-use crate::samples::POINTS;
+use crate::numerics::root::{Beyond, Curve, crossing, root};
+use crate::regression::samples::POINTS;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};

@@ -1,13 +1,13 @@
 //! One scenario after the other with the plain integrator: the reference that tests hold the lanes against.
 
 use crate::filter::Sensor;
-use crate::fit;
 use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome, Standing, to_be_lost};
 use crate::plan::{Plan, Stretch};
 use crate::reader::Bends;
+use crate::regression::fit;
+use crate::regression::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::regression::{Guess, RecordPart, Records};
-use crate::samples::{POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::scenario::{Options, Scenario, lets_gas_pass};
 use chamber::Chamber;
 use chamber::balance::{self, ENERGY, MASS, OWN, STATES};

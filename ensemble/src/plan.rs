@@ -1,6 +1,6 @@
 //! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers.
 
-use crate::clock::Clock;
+use crate::integrator::clock::Clock;
 use crate::lanes::Lanes;
 use crate::outcome::Failure;
 use crate::scenario::{Hold, Scenario};

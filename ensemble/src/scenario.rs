@@ -1,5 +1,6 @@
 //! What one row of a study asks for, and how a run goes about it. SI units.
 
+use crate::sets;
 use chamber::Chamber;
 use chamber::card::Balance;
 use chamber::effects::{self, EffectSet};
@@ -80,6 +81,12 @@ impl Scenario {
         self.final_position_m > self.initial_position_m
     }
 
+    /// Whether no gas enters or leaves but by effects, and the piston follows the ramp.
+    #[inline]
+    pub(crate) fn is_sealed(&self) -> bool {
+        self.mass_flow_in_kg_per_s == 0.0 && self.mass_flow_out_kg_per_s == 0.0 && self.profile.is_none()
+    }
+
     /// The larger of two values, of an expansion along no profile the smaller.
     #[inline]
     pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
@@ -91,7 +98,7 @@ impl Scenario {
 pub fn lets_gas_pass(active: EffectSet, s: &Scenario) -> bool {
     let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
     let is_fed = s.mass_flow_in_kg_per_s > 0.0 || s.mass_flow_out_kg_per_s > 0.0 || s.profile.is_some();
-    is_fed || crate::on_the_gas(active).iter().any(passes)
+    is_fed || sets::on_the_gas(active).iter().any(passes)
 }
 
 /// How a batch is solved.

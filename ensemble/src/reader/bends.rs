@@ -3,7 +3,7 @@
 
 use super::{Job, Memory, TracePiece, Traces};
 use crate::look::Question;
-use crate::samples::POINTS;
+use crate::regression::samples::POINTS;
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use pulp::Arch;
 

@@ -2,11 +2,11 @@
 
 use super::{Job, PRESSURE, Trace, Traces};
 use crate::filter::{Lagged, TERMS, ToPowers, kept};
-use crate::interpolant::{Interpolant, Stencils};
+use crate::general::interpolant::{Interpolant, Stencils};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question, Reading};
-use crate::root::Curve;
-use crate::samples::POINTS;
+use crate::numerics::root::Curve;
+use crate::regression::samples::POINTS;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 

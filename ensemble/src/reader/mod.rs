@@ -12,13 +12,13 @@ mod regressions;
 pub use bends::Bends;
 
 use crate::filter::{CUTS, Sensor, ToPowers};
-use crate::history::Knot;
+use crate::general::history::Knot;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::SETTLED;
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
-use crate::samples::POINTS;
+use crate::regression::samples::POINTS;
 use bends::Straight;
 use chamber::real::Real;
 use curves::{LaggedPiece, Prompt};
@@ -444,8 +444,8 @@ impl<'a> Traces<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrator::step::View;
     use crate::scenario::{Hold, Scenario};
-    use crate::step::View;
     use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 
     /// P = P1 + ΔP e^(−t/T) of the hold behind a push over which P rises as a parabola, read by a sensor that lags.

@@ -3,10 +3,10 @@
 
 use super::bends::Straight;
 use super::{Cut, Job, Memory, PRESSURE, ROUNDING, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
-use crate::history::Knot;
+use crate::general::history::Knot;
 use crate::outcome::SETTLED;
 use crate::plan::Plan;
-use crate::samples::POINTS;
+use crate::regression::samples::POINTS;
 
 impl Trace<'_> {
     /// Whether it shows the gas as it is, from the end of the push to that of the test in one stretch.

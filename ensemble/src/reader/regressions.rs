@@ -3,8 +3,8 @@
 use super::{Cut, Job, Memory, RowAnswer, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::Question;
+use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::regression::{Guess, RecordPart, Regression};
-use crate::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use pulp::Arch;
 
 impl Traces<'_> {

@@ -1,0 +1,60 @@
+//! Rows by their closed forms, by kind: see [`rows`].
+
+pub mod kept;
+pub mod readings;
+mod rows;
+mod test;
+
+use crate::Batch;
+use crate::outcome::Outcome;
+use crate::plan;
+use crate::ways::{Features, Timed};
+use chamber::effects::{self, EffectSet};
+use readings::Behind;
+
+/// How many kinds of rows there are: without effects that keep the closed form, or with some and one of two area laws; that show the
+/// gas, or by sensors that lag or do not, and are delayed or are not.
+const KINDS: usize = 3 * 5;
+
+/// A chunk's rows with closed forms, by kind.
+#[derive(Default)]
+pub struct ClosedRows {
+    lists: [Vec<Timed>; KINDS],
+    memory: rows::Memory,
+}
+
+impl ClosedRows {
+    /// Empties the lists.
+    pub fn clear(&mut self) {
+        self.lists.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Whether a row is solved so: where there is a closed form, and it is the quicker way or the only one wanted.
+    #[inline]
+    pub fn takes(&self, row: &Features) -> bool {
+        let s = row.scenario;
+        // A record that is late by more than the push or the hold shows other parts of the test.
+        let in_time = |b: Behind| plan::times(s).map_or(true, |(push, duration)| b.delay < push.min(duration - push));
+        !row.integrates
+            && row.is_sealed
+            && kept::EFFECTS.contains(row.of_gas)
+            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || b.is_quick(s)))
+    }
+
+    /// The rows of the kind of such a row.
+    #[inline]
+    pub fn rows_like(&mut self, row: &Features) -> &mut Vec<Timed> {
+        let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
+        let shown = row.behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
+        &mut self.lists[gas + 3 * shown]
+    }
+
+    /// Solves all.
+    pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
+        for (kind, rows) in self.lists.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+            let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };
+            let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
+            rows::run(batch, &mut self.memory, kept, shown, rows, out);
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! What a sensor shows of tests that have a closed form, one a lane: a filter of a known pressure, without integration.
+//!
+//! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
+//! quadrature ([`Panel`]). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
+//! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
+//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces, over which behind a
+//! lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
+
+mod events;
+mod hold;
+mod pieces;
+mod push;
+mod samples;
+mod sensors;
+
+use crate::closed::test::{Ends, Tests};
+use crate::filter::{Sensor, ToPowers};
+use crate::lanes::{Lanes, WIDTH};
+use crate::look::{Look, Question};
+use crate::numerics::gauss::{NODES, Panel};
+use crate::outcome::{Outcome, Standing};
+use crate::reader::ROUNDING;
+use crate::regression::Regression;
+use crate::regression::fit;
+use crate::scenario::Scenario;
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
+use hold::{HoldRecord, Relaxation};
+use pieces::{Build, HoldPieces, Piece, Polynomial, Push, Shown};
+use pulp::Arch;
+use sensors::Sensors;
+
+/// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
+const MOST_RELAXATIONS: f64 = 20.0;
+
+/// The sensor of one test.
+#[derive(Clone, Copy, Debug)]
+pub struct Behind {
+    /// Lag, offset and drift.
+    pub sensor: Sensor,
+    /// Time by which the record is behind the gas, s.
+    pub delay: f64,
+}
+
+/// The answers about one record.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RecordAnswer {
+    /// Extreme reading from the end of the push on, Pa.
+    pub peak: f64,
+    /// Time of that reading, s.
+    peak_time: f64,
+    /// Reading at the end of the test, Pa.
+    pub last: f64,
+    /// From when on it is within 1 % of that for good.
+    pub settling: f64,
+}
+
+impl Behind {
+    /// That of a scenario with the effects of a set.
+    pub fn new(set: EffectSet, scenario: &Scenario) -> Self {
+        let values = &scenario.chamber.effects;
+        Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+    }
+
+    /// Whether the record shows what was before its time.
+    pub fn looks_back(&self) -> bool {
+        self.sensor.lag > 0.0 || self.delay > 0.0
+    }
+
+    /// Whether the closed form is the quicker way to what is shown of a sealed test. With a lag or a delay the push is read
+    /// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
+    pub fn is_quick(&self, scenario: &Scenario) -> bool {
+        if !self.looks_back() {
+            return true;
+        }
+        let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
+        let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
+        let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
+        // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
+        let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
+        let rate = scenario.push_time_s * exchanged * ambient;
+        let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
+        rate * rate * ambient < most * initial_pressure_pa * first * last
+    }
+}
+
+impl RecordAnswer {
+    /// The outcome, where that of a record that shows the gas is `gas` and `behind` is the sensor.
+    pub fn outcome(
+        &self,
+        s: &Scenario,
+        regression: Option<Regression>,
+        (wall, behind): (f64, &Behind),
+        gas: Outcome,
+    ) -> Outcome {
+        let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
+        let positions = [s.initial_position_m, s.final_position_m];
+        Outcome {
+            pressure_peak_pa: self.peak,
+            pressure_final_pa: self.last,
+            fit: regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            settling_time_s,
+            flows_on,
+            ..gas
+        }
+    }
+
+    /// How the record stands at its end.
+    fn standing(&self, s: &Scenario, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
+        let distance = (self.peak - self.last).abs();
+        let cooled = wall / gas.temperature_final_k;
+        let to_come = if behind.looks_back() {
+            (self.last - behind.sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
+        } else {
+            gas.pressure_final_pa * (1.0 - cooled).abs()
+        };
+        let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
+        let going_on = (behind.sensor.drift * (gas.duration_s - s.push_time_s)).abs();
+        Standing { distance, to_come, going_on, stands }
+    }
+}
+
+/// Working memory, kept from one group to the next.
+#[derive(Default)]
+pub struct Memory {
+    /// 1/T at the nodes of each part of the push, and where it is asked for along them.
+    pub nodes: Vec<[Lanes; NODES]>,
+    panels: Vec<Panel<Lanes>>,
+    pieces: Vec<Piece>,
+    /// Of those of the push, of sensors that lag.
+    polynomials: Vec<Polynomial>,
+    /// How many of the first pieces are of the push.
+    in_push: usize,
+    /// By piece, where the records turn inside.
+    turns: Vec<Turn>,
+    to_powers: ToPowers,
+}
+
+/// Records, one a lane; all of them lag or none, and all of them are delayed or none.
+pub struct Readings<'a> {
+    arch: Arch,
+    tests: &'a Tests,
+    memory: &'a mut Memory,
+    hold: HoldRecord,
+    sensors: Sensors,
+    duration: Lanes,
+}
+
+impl<'a> Readings<'a> {
+    /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
+    /// `memory` has the nodes of the push.
+    pub fn new(
+        arch: Arch,
+        memory: &'a mut Memory,
+        tests: &'a Tests,
+        ends: &Ends,
+        behind: impl Fn(usize) -> Behind,
+        before: Lanes,
+    ) -> Self {
+        let wall = tests.closed.ambient_temperature;
+        let gas = Relaxation {
+            at_rest: tests.closed.mass_gas_constant * wall / tests.to,
+            excess: Lanes::ONE - wall / ends.pushed,
+            rate: ends.rate,
+        };
+        let [mut lag, mut delay, mut offset, mut drift] = [Lanes::ZERO; 4];
+        for lane in 0..WIDTH {
+            let Behind { sensor, delay: by } = behind(lane);
+            (lag[lane], delay[lane], drift[lane]) = (sensor.lag, by, sensor.drift);
+            offset[lane] = sensor.shown(0.0, tests.push[lane]);
+        }
+        let sensors = Sensors { lag, delay, offset, drift };
+        memory.pieces.clear();
+        memory.polynomials.clear();
+        memory.in_push = 0;
+        let hold = HoldRecord { gas, behind: None };
+        let mut readings = Self { arch, tests, memory, hold, sensors, duration: tests.hold };
+        if sensors.lag() || sensors.are_late() {
+            arch.dispatch(Build { readings: &mut readings, before });
+        }
+        if !sensors.lag() {
+            readings.add_hold();
+        }
+        readings.find_turns();
+        readings
+    }
+
+    /// The hold without a lag: pieces between the turns, which the closed form has.
+    fn add_hold(&mut self) {
+        let Self { hold, sensors, duration, .. } = self;
+        let mut corners = [sensors.delay, *duration, *duration, *duration];
+        for lane in 0..WIDTH {
+            let end = duration[lane] - sensors.delay[lane];
+            let turns =
+                turns(hold.gas.at_rest[lane], hold.gas.excess[lane], hold.gas.rate[lane], sensors.drift[lane], end);
+            corners[1][lane] = sensors.delay[lane] + turns[0];
+            corners[2][lane] = sensors.delay[lane] + turns[1];
+        }
+        self.arch.dispatch(HoldPieces { hold, sensors, corners, pieces: &mut self.memory.pieces });
+    }
+
+    /// A piece of each lane, not the same one of all.
+    fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
+        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &*self.memory;
+        let piece: [usize; WIDTH] = core::array::from_fn(piece);
+        let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
+        let pushed = Lanes::from_fn(|lane| if piece[lane] < *in_push { 1.0 } else { 0.0 });
+        let any_pushed = piece.iter().any(|piece| *piece < *in_push);
+        let push = any_pushed.then(|| {
+            if !self.sensors.lag() {
+                return Push::Gas(self.tests, nodes, panels);
+            }
+            let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
+            let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
+            Push::Behind(Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) })
+        });
+        Shown { times, pushed, push, hold: &self.hold, sensors: &self.sensors }
+    }
+
+    /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.
+    fn find_turns(&mut self) {
+        let count = self.memory.pieces.len();
+        self.memory.turns.clear();
+        self.memory.turns.resize(count, Turn::NONE);
+        let mut next = [0; WIDTH];
+        loop {
+            for lane in 0..WIDTH {
+                let turns = |piece: &Piece| piece.slopes[0][lane] * piece.slopes[1][lane] < 0.0;
+                next[lane] += self.memory.pieces[next[lane]..].iter().position(turns).unwrap_or(count - next[lane]);
+            }
+            if next.iter().all(|next| *next == count) {
+                return;
+            }
+            let reading = self.gather(|lane| next[lane].min(count - 1));
+            let Self { arch, sensors, memory, hold: HoldRecord { gas, behind }, .. } = &*self;
+            let mut found = [Lanes::ZERO; 3];
+            if let Some(behind) = behind {
+                found = arch.dispatch(TurnBehind { gas, behind, sensors, times: reading.times });
+            }
+            let in_push = memory.in_push;
+            let quick = |lane: usize| found[2][lane] > 0.0 && sensors.drift[lane] == 0.0 && next[lane] >= in_push;
+            let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
+            if open.contains(&true) {
+                let [times, values, ..] =
+                    Look { times: reading.times, reading, question: Question::Turn }.answer(*arch);
+                for lane in (0..WIDTH).filter(|lane| open[*lane]) {
+                    (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
+                }
+            }
+            for lane in (0..WIDTH).filter(|lane| next[*lane] < count) {
+                self.memory.turns[next[lane]].put(lane, found[0][lane], found[1][lane]);
+            }
+            for next in &mut next {
+                *next = (*next + 1).min(count);
+            }
+        }
+    }
+
+    /// The answers about each record; an expansion's peak is its smallest pressure.
+    pub fn answers(&self) -> [RecordAnswer; WIDTH] {
+        let Memory { pieces, turns, .. } = &*self.memory;
+        let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
+        let FoundEvents { last, between, band, .. } = found;
+        // The hold is searched only of sensors that drift.
+        let of_hold = |lane: usize| found.piece[lane] >= self.memory.in_push as f64;
+        let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
+        let [mut settled, good] = self.arch.dispatch(enter);
+        let closed = |lane: usize| good[lane] > 0.0 && self.sensors.drift[lane] == 0.0 && of_hold(lane);
+        let closed: [bool; WIDTH] = core::array::from_fn(closed);
+        if !closed.iter().all(|closed| *closed) {
+            let reading = self.gather(|lane| found.piece[lane] as usize);
+            let question = Question::Enter { between, value: last, band };
+            let [searched, ..] = Look { times: reading.times, reading, question }.answer(self.arch);
+            for lane in (0..WIDTH).filter(|lane| !closed[*lane]) {
+                settled[lane] = searched[lane];
+            }
+        }
+        core::array::from_fn(|lane| {
+            // A record that never is outside has no piece to enter from.
+            let outside = between[1][lane] > between[0][lane];
+            let settling = if outside { settled[lane].max(0.0) } else { between[0][lane] };
+            RecordAnswer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
+        })
+    }
+}
+
+/// Times since the push, s, up to `end` at which a relaxation with a drift turns round; `end` in place of those it lacks.
+fn turns(at_rest: f64, excess: f64, rate: f64, drift: f64, end: f64) -> [f64; 2] {
+    if drift == 0.0 || excess == 0.0 {
+        return [end; 2];
+    }
+    // z + 1/z = 2 + Pf k/r.
+    let half = 1.0 + 0.5 * at_rest * rate / drift;
+    if half.abs() <= 1.0 {
+        return [end; 2];
+    }
+    let larger = half + (half * half - 1.0).sqrt().copysign(half);
+    let time = |z: f64| {
+        let time = (excess / z).ln() / rate;
+        if time > 0.0 && time < end { time } else { end }
+    };
+    let [one, other] = [time(larger), time(1.0 / larger)];
+    [one.min(other), one.max(other)]
+}

@@ -1,0 +1,274 @@
+//! The pieces of records, between which they may turn round: of the push, where they are late, and of the hold.
+
+use super::hold::{BehindLag, HoldRecord};
+use super::push::PushPressure;
+use super::sensors::Sensors;
+use super::{Memory, Readings};
+use crate::closed::test::Tests;
+use crate::filter::{Lagged, TERMS, ToPowers};
+use crate::lanes::{Lanes, each_lane};
+use crate::look::Reading;
+use crate::numerics::gauss::{NODES, Panel};
+use crate::numerics::root::Curve;
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// Pieces, over which the pressure is a polynomial, of a part of the push.
+const PIECES_OF_A_PART: usize = 6;
+/// Pieces of the hold behind a lag; of one without a drift, which turns once at most; and of such a one behind a lag of at most
+/// this share of the relaxation, which turns in the first 13 lags.
+const PIECES_OF_A_HOLD: usize = 12;
+const PIECES_WITHOUT_A_DRIFT: usize = 6;
+const PIECES_OF_A_QUICK_ONE: usize = 2;
+const QUICK: f64 = 0.1;
+/// A length, s, to divide by where there is none.
+const SHORTEST: f64 = 1e-300;
+
+/// A piece of each record.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    /// Times at which it begins and ends, s.
+    pub times: [Lanes; 2],
+    /// What is shown there, Pa, and the slopes, Pa/s.
+    pub shown: [Lanes; 2],
+    pub slopes: [Lanes; 2],
+}
+
+/// The gas during a piece of the push of sensors that lag.
+#[derive(Clone, Copy, Debug)]
+pub struct Polynomial {
+    /// Coefficients of its pressure, Pa, in powers of the share of the piece.
+    pub gas: [Lanes; TERMS],
+    /// The lagging reading at the piece's start, Pa.
+    pub lagged: Lanes,
+}
+
+/// A piece's record as a curve.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    /// Times at which the piece begins and ends, s.
+    pub times: [Lanes; 2],
+    /// 1 where it is of the push, 0 where of the hold.
+    pub pushed: Lanes,
+    /// That of the push, where any of the pieces is of it.
+    pub push: Option<Push<'a>>,
+    pub hold: &'a HoldRecord,
+    pub sensors: &'a Sensors,
+}
+
+/// Pieces of the push, one a lane.
+#[derive(Clone, Copy)]
+#[allow(clippy::large_enum_variant, reason = "one lives at a time")]
+pub enum Push<'a> {
+    /// Of sensors that lag.
+    Behind(Polynomial),
+    /// Of sensors that show the gas late: the tests, and 1/T at the nodes and along the parts of their pushes.
+    Gas(&'a Tests, &'a [[Lanes; NODES]], &'a [Panel<Lanes>]),
+}
+
+impl Shown<'_> {
+    /// The reading without offset and drift, Pa, and its slope, Pa/s.
+    #[inline(always)]
+    fn reading(&self, time: Lanes) -> [Lanes; 2] {
+        let held = self.hold.shown(time - self.sensors.delay);
+        match &self.push {
+            None => held,
+            Some(push) => {
+                let pushed = self.of_push(push, time);
+                let [reading, rise] = held;
+                [self.pushed.where_positive(pushed[0], reading), self.pushed.where_positive(pushed[1], rise)]
+            }
+        }
+    }
+
+    /// The same in the push.
+    #[inline(always)]
+    fn of_push(&self, push: &Push, time: Lanes) -> [Lanes; 2] {
+        let Polynomial { gas, lagged } = match push {
+            Push::Behind(polynomial) => polynomial,
+            Push::Gas(tests, nodes, panels) => {
+                let pushed = PushPressure::new(tests, self.sensors, nodes, panels);
+                return pushed.shown((time - self.sensors.delay).max(-tests.push).min(Lanes::ZERO));
+            }
+        };
+        let length = (self.times[1] - self.times[0]).max(Lanes::from(SHORTEST));
+        let share = (time - self.times[0]) / length;
+        let mut pressure = gas[TERMS - 1];
+        for term in (0..TERMS - 1).rev() {
+            pressure = pressure * share + gas[term];
+        }
+        let lag = self.sensors.lag;
+        let reading = Lagged { pressure: *gas, begin: *lagged, stiffness: length / lag }.at(share);
+        [reading, (pressure - reading) / lag]
+    }
+}
+
+impl Curve for Shown<'_> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.reading(time)[0] + self.sensors.beside(time)
+    }
+
+    #[inline(always)]
+    fn rise(&self, time: Lanes, _: Lanes) -> Lanes {
+        self.reading(time)[1] + self.sensors.drift
+    }
+}
+
+impl Reading for Shown<'_> {
+    type Curve = Self;
+
+    #[inline(always)]
+    fn curve(self) -> Self {
+        self
+    }
+}
+
+/// The pieces of records from the end of the push on: where they are late, up to the start of the hold, and where they lag
+/// to their ends.
+pub struct Build<'b, 'a> {
+    pub readings: &'b mut Readings<'a>,
+    /// What the sensors show before the push, Pa.
+    pub before: Lanes,
+}
+
+impl WithSimd for Build<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
+        let Memory { nodes, panels, pieces, in_push, polynomials, to_powers, .. } = &mut **memory;
+        PushPressure::panels(tests, sensors, nodes, panels);
+        let pushed = PushPressure::new(tests, sensors, nodes, panels);
+        let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
+        // The record shows this moment at the end of the push.
+        let first = -sensors.delay;
+        if sensors.lag() {
+            writer.reading = black_box(pushed.behind(sensors.lag, first, self.before));
+        }
+        if sensors.are_late() {
+            let begin = pushed.share(first)[0];
+            let left = Lanes::ONE - begin;
+            let fine = tests.parts * left * PIECES_OF_A_PART as f64;
+            let per_count = each_lane!(i => 1.0 / fine.0[i].ceil().max(1.0));
+            let (mut from, mut shown) = (first, pushed.shown(first));
+            for index in 0..tests.most_parts() * PIECES_OF_A_PART {
+                let done = (per_count * (index + 1) as f64).min(Lanes::ONE);
+                let to = pushed.time(begin + left * done);
+                if !(to - from).any_positive() {
+                    continue;
+                }
+                if sensors.lag() {
+                    writer.add_behind(&pushed, [from, to]);
+                } else {
+                    let next = black_box(pushed.shown(to));
+                    writer.push([from, to], [shown[0], next[0]], [shown[1], next[1]]);
+                    shown = next;
+                }
+                from = to;
+            }
+            *in_push = writer.pieces.len();
+        }
+        if sensors.lag() {
+            let HoldRecord { gas, behind } = hold;
+            let behind = black_box(behind.insert(BehindLag::new(*gas, sensors.lag, writer.reading)));
+            let begin = gas.at_rest / (Lanes::ONE - gas.excess);
+            let (mut since, mut from) = (Lanes::ZERO, [writer.reading, (begin - writer.reading) / sensors.lag]);
+            let pieces = |count: usize| Lanes::from(count as f64);
+            let quick = Lanes::from(QUICK) - gas.rate * sensors.lag;
+            let counts = quick.where_positive(pieces(PIECES_OF_A_QUICK_ONE), pieces(PIECES_WITHOUT_A_DRIFT));
+            let counts = sensors.drift.abs().where_positive(pieces(PIECES_OF_A_HOLD), counts);
+            let end = *duration - sensors.delay;
+            for to in black_box(&hold_ends::<PIECES_OF_A_HOLD>(gas.rate, sensors.lag, end, counts)) {
+                if !(end - since).any_positive() {
+                    break;
+                }
+                let shown = black_box(behind.shown(*to));
+                writer.push([since, *to], [from[0], shown[0]], [from[1], shown[1]]);
+                (since, from) = (*to, shown);
+            }
+        }
+    }
+}
+
+/// Ends of the hold's pieces behind a lag, of which there are `counts`: in equal ratios from half of the shorter to 13 times the
+/// longer one of lag and relaxation, none after the record's end; the last is that. Of two the first is 13 times the shorter.
+#[inline(always)]
+pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, counts: Lanes) -> [Lanes; COUNT] {
+    let slowness = rate.recip();
+    let mut end = slowness.min(lag) * (counts - 2.0).where_positive(Lanes::from(0.5), Lanes::from(13.0));
+    let ratio = ((slowness.max(lag) * 13.0 / end).ln() / (counts - 2.0)).exp();
+    let mut ends = [length; COUNT];
+    for (index, to) in ends.iter_mut().enumerate() {
+        let before_last = counts - (index as f64 + 1.5);
+        *to = black_box(before_last.where_positive(end.min(length), length));
+        end = end * ratio;
+    }
+    ends
+}
+
+/// Writes piece after piece.
+struct Writer<'a> {
+    to_powers: &'a ToPowers,
+    sensors: &'a Sensors,
+    /// The reading at the end of the last piece of the push, Pa.
+    reading: Lanes,
+    pieces: &'a mut Vec<Piece>,
+    polynomials: &'a mut Vec<Polynomial>,
+}
+
+impl Writer<'_> {
+    /// A piece of the push between two times of the gas, of sensors that lag.
+    #[inline(always)]
+    fn add_behind(&mut self, pressure: &impl Curve, times: [Lanes; 2]) {
+        let (begin, lag, length) = (self.reading, self.sensors.lag, times[1] - times[0]);
+        let gas = black_box(self.to_powers.of(pressure, times[0], length));
+        let mut end = Lanes::ZERO;
+        for term in 0..TERMS {
+            end += gas[term];
+        }
+        self.reading = Lagged { pressure: gas, begin, stiffness: length / lag }.at(Lanes::ONE);
+        self.polynomials.push(black_box(Polynomial { gas, lagged: begin }));
+        self.push(times, [begin, self.reading], [(gas[0] - begin) / lag, (end - self.reading) / lag]);
+    }
+
+    /// Adds a piece between two times of the gas, with what a sensor without offset and drift shows there.
+    #[inline(always)]
+    fn push(&mut self, times: [Lanes; 2], readings: [Lanes; 2], slopes: [Lanes; 2]) {
+        let Sensors { delay, drift, .. } = *self.sensors;
+        let times = [times[0] + delay, times[1] + delay];
+        let shown = [readings[0] + self.sensors.beside(times[0]), readings[1] + self.sensors.beside(times[1])];
+        let slopes = [slopes[0] + drift, slopes[1] + drift];
+        self.pieces.push(black_box(Piece { times, shown, slopes }));
+    }
+}
+
+/// The hold's pieces between its turns, where the sensors do not lag.
+pub struct HoldPieces<'a> {
+    pub hold: &'a HoldRecord,
+    pub sensors: &'a Sensors,
+    pub corners: [Lanes; 4],
+    pub pieces: &'a mut Vec<Piece>,
+}
+
+impl WithSimd for HoldPieces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        let Self { hold, sensors, corners, pieces } = self;
+        let mut shown = [Lanes::ZERO; 4];
+        for corner in 0..4 {
+            let time = corners[corner];
+            shown[corner] = hold.gas.shown(time - sensors.delay)[0] + sensors.beside(time);
+        }
+        for corner in 0..3 {
+            let times = [corners[corner], corners[corner + 1]];
+            let shown = [shown[corner], shown[corner + 1]];
+            // With slopes of a piece that does not turn.
+            pieces.push(black_box(Piece { times, shown, slopes: [Lanes::ZERO; 2] }));
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The samples of records from their peaks on, laid out for the regression.
+
+use super::pieces::{Piece, Push, Shown, hold_ends};
+use super::{Memory, Readings, RecordAnswer};
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::look::{Look, Question};
+use crate::numerics::root::Curve;
+use crate::regression::Records;
+use crate::regression::relaxing::ENDS;
+use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// Pieces of the hold behind a lag in which its samples are summed.
+const PIECES_BEHIND_A_LAG: usize = 24;
+
+impl Readings<'_> {
+    /// Number of the first sample that counts: the larger of those beside the peak.
+    fn first_samples(&self, answers: &[RecordAnswer; WIDTH]) -> Lanes {
+        let push = self.tests.push;
+        let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
+        let after = Lanes::from_fn(|lane| samples::from(push[lane] + answers[lane].peak_time).max(push_end[lane]));
+        if after == push_end {
+            return after;
+        }
+        let [earlier, later] = [1.0, 0.0].map(|back| {
+            let times = (after - back) * (1.0 / SAMPLE_RATE_HZ) - push;
+            let holds = |lane: usize| {
+                let ends = |piece: &Piece| times[lane] <= piece.times[1][lane];
+                self.memory.pieces.iter().position(ends).unwrap_or(self.memory.pieces.len() - 1)
+            };
+            let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
+            let reading = self.gather(holds);
+            Look { times: reading.times, reading, question }.answer(self.arch)[0]
+        });
+        Lanes::from_fn(|lane| {
+            let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
+            let back = after[lane] > push_end[lane] && sign * earlier[lane] > sign * later[lane];
+            after[lane] - f64::from(back)
+        })
+    }
+
+    /// Lays the samples from the peak on out for the regression.
+    pub fn lay_out(&self, answers: &[RecordAnswer; WIDTH], records: &mut Records) {
+        let first = self.first_samples(answers);
+        records.clear();
+        self.arch.dispatch(Sample { readings: self, first, records });
+    }
+}
+
+/// Samples, from the first that counts on, for the regression.
+struct Sample<'b, 'a> {
+    readings: &'b Readings<'a>,
+    first: Lanes,
+    records: &'b mut Records,
+}
+
+impl WithSimd for Sample<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(mut self, _: I) {
+        let Readings { tests, memory, hold, sensors, duration, .. } = self.readings;
+        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &**memory;
+        for (index, piece) in pieces[..*in_push].iter().enumerate() {
+            let gas = Push::Gas(tests, nodes, panels);
+            let push = polynomials.get(index).map_or(gas, |polynomial| Push::Behind(*black_box(polynomial)));
+            self.add(black_box(piece.times), Some(push));
+        }
+        // The hold's pieces are as long as from turn to turn.
+        let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
+        let ends: &[Lanes] = if sensors.lag() {
+            &hold_ends::<PIECES_BEHIND_A_LAG>(rate, sensors.lag, length, Lanes::from(PIECES_BEHIND_A_LAG as f64))
+        } else {
+            let slowness = rate.recip();
+            &ENDS.map(|end| (slowness * end).min(length))
+        };
+        let mut from = sensors.delay;
+        for end in black_box(ends) {
+            let to = *end + sensors.delay;
+            self.add(black_box([from, to]), None);
+            from = to;
+        }
+    }
+}
+
+impl Sample<'_, '_> {
+    #[inline(always)]
+    fn add(&mut self, times: [Lanes; 2], push: Option<Push>) {
+        let Readings { tests, hold, sensors, .. } = self.readings;
+        let (push_end, first) = (tests.push, black_box(self.first));
+        let end = black_box(push_end + times[1]);
+        let next = black_box(each_lane!(i => samples::after(end.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
+        if !self.records.takes(count) {
+            return;
+        }
+        let nodes = black_box(Samples { first, count }.nodes());
+        let pushed = if push.is_some() { Lanes::ONE } else { Lanes::ZERO };
+        let curve = Shown { times, pushed, push, hold, sensors };
+        let mut pressure = [Lanes::ZERO; POINTS];
+        for k in 0..black_box(POINTS) {
+            let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push_end;
+            // Nodes without weight may stand anywhere.
+            pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
+        }
+        self.records.push(first, &nodes, &pressure);
+        self.first = black_box(first.max(next));
+    }
+}

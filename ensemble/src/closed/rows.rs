@@ -1,0 +1,331 @@
+//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed
+//! form ([`kept`](crate::closed::kept)), and what a sensor shows of either ([`readings`]). No integration, no
+//! tolerance.
+
+use crate::Batch;
+use crate::closed::kept::Exchange;
+use crate::closed::readings::{self, Behind, Readings};
+use crate::closed::test::{Ends, ExactTest, Tests};
+use crate::ending::Ending;
+use crate::general::chambers::Chambers;
+use crate::lanes::{Lanes, WIDTH};
+use crate::numerics::gauss::NODES;
+use crate::numerics::root::Curve;
+use crate::outcome::SETTLED;
+use crate::outcome::{Failure, Outcome};
+use crate::regression::relaxing::{self, ENDS, Relaxing};
+use crate::regression::{Guess, Records, Regression, decay};
+use crate::scenario::Scenario;
+use crate::ways::Timed;
+use chamber::balance::Balances;
+use chamber::effects::EffectSet;
+use chamber::exact::Closed;
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
+
+/// What is kept from one batch to the next.
+#[derive(Default)]
+pub struct Memory {
+    chambers: Chambers,
+    buffers: Buffers,
+}
+
+/// Buffers for what is asked of the records.
+#[derive(Default)]
+struct Buffers {
+    records: Records,
+    readings: readings::Memory,
+}
+
+/// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
+/// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
+/// sensors lag or none, and all are delayed or none.
+pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[Timed], out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let Memory { chambers, buffers } = memory;
+    let mut all: Vec<ExactTest> =
+        rows.iter().map(|&(row, duration)| ExactTest::new(row, &scenarios[row as usize], duration)).collect();
+    if set.is_empty() {
+        for test in &mut all {
+            let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
+            test.exchange(end, Closed::time_scales([begin, end], test.to / test.from, test.push));
+        }
+    } else {
+        exchange(arch, chambers, set, &mut all, scenarios);
+    }
+    // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
+    let kind = |test: &ExactTest| {
+        let relaxations = test.rate * (test.duration - test.push);
+        let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
+        (test.is_bent, test.parts as u32, of_record)
+    };
+    let kinds: Vec<_> = all.iter().map(kind).collect();
+    let mut order: Vec<u32> = (0..all.len() as u32).collect();
+    order.sort_unstable_by_key(|&test| kinds[test as usize]);
+    let (straight, bent) = order.split_at(order.partition_point(|&test| !kinds[test as usize].0));
+    let groups = straight.chunks(WIDTH).map(|order| (EffectSet::NONE, order));
+    for (set, order) in groups.chain(bent.chunks(WIDTH).map(|order| (set, order))) {
+        let tests = Tests::new(&all, order);
+        let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
+        let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
+        // Only a sensor that lags or is late shows what was before the end of the push.
+        let behind = (!shown.is_empty()).then(|| Behind::new(shown, scenario(0)));
+        let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
+        let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
+        let solved = Solved { tests: &tests, ends: &ends };
+        let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
+        if shown.is_empty() {
+            solved.outcomes(arch, &mut buffers.records, options.fit, scenario, &mut outcomes);
+        } else {
+            solved.readings(arch, buffers, shown, options.fit, scenario, &mut outcomes);
+        }
+        for (lane, &test) in order.iter().enumerate() {
+            let ExactTest { row, duration, .. } = all[test as usize];
+            let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
+            if pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite() {
+                out[row as usize] = Outcome { duration_s: duration, ..outcomes[lane] };
+            } else {
+                out[row as usize] = Outcome::failed(Failure::StepTooSmall);
+            }
+        }
+    }
+}
+
+/// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
+fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [ExactTest], scenarios: &[Scenario]) {
+    for tests in all.chunks_mut(WIDTH) {
+        let at = |lane: usize| lane.min(tests.len() - 1);
+        let balance = chambers.gather(arch, set, |lane| &scenarios[tests[at(lane)].row as usize].chamber);
+        let order: [u32; WIDTH] = core::array::from_fn(|lane| at(lane) as u32);
+        let Changed { wall, held, time_scales, exchange, bend } =
+            arch.dispatch(Change { set, balance, tests: &Tests::new(tests, &order) });
+        for (lane, test) in tests.iter_mut().enumerate() {
+            test.closed.ambient_temperature = wall[lane];
+            test.is_bent = bend[lane] > 0.0;
+            if !test.is_bent {
+                test.closed.exchange = exchange.map(|all| all[lane]);
+            }
+            test.exchange(held[lane], time_scales[lane]);
+        }
+    }
+}
+
+/// What effects make of tests.
+struct Changed {
+    /// Temperatures of the walls, K.
+    wall: Lanes,
+    /// 1/τ_f of the hold, 1/s.
+    held: Lanes,
+    /// How many time scales the push lasts.
+    time_scales: Lanes,
+    /// What is exchanged during the push, by a line over the volume, and where that is not enough a positive number.
+    exchange: [Lanes; 2],
+    bend: Lanes,
+}
+
+/// Finds this out.
+struct Change<'a> {
+    set: EffectSet,
+    balance: &'a Balances<Lanes>,
+    /// Without the effects.
+    tests: &'a Tests,
+}
+
+impl WithSimd for Change<'_> {
+    type Output = Changed;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Changed {
+        let t = black_box(self.tests);
+        let balance = black_box(self.balance);
+        let mut heat = Exchange::new(self.set, balance, &t.closed, t.closed.ambient_temperature);
+        let (wall, held) = (heat.wall(), heat.at(t.to));
+        heat.move_at(t.velocity(&balance.chamber));
+        let ends = [heat.at(t.from), heat.at(t.to)];
+        let (exchange, bend) = heat.line([t.from, t.to], ends);
+        let [per_begin, per_end] = [wall / t.from.sqrt(), wall / t.to.sqrt()];
+        let time_scales = Closed::time_scales([ends[0] * per_begin, ends[1] * per_end], t.to / t.from, t.push);
+        black_box(Changed { wall, held: held * per_end, time_scales, exchange, bend })
+    }
+}
+
+/// Effects that keep the closed form, and the balances with their parameters.
+type Effects<'a> = Option<(EffectSet, &'a Balances<Lanes>)>;
+
+struct Solve<'a> {
+    tests: &'a Tests,
+    effects: Effects<'a>,
+    /// For 1/T at the nodes of the push, where it is asked for.
+    nodes: Option<&'a mut Vec<[Lanes; NODES]>>,
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends {
+        let t = black_box(self.tests);
+        let wall = t.closed.ambient_temperature;
+        let mut kept = None;
+        if let Some((set, balance)) = black_box(self.effects) {
+            let exchange = kept.insert(Exchange::new(set, balance, &t.closed, wall));
+            exchange.move_at(t.velocity(&balance.chamber));
+        }
+        let pushed = match (&kept, self.nodes) {
+            (None, None) => t.pushed(&t.closed),
+            (Some(exchange), None) => t.pushed(exchange),
+            (None, Some(nodes)) => t.nodes(&t.closed, nodes),
+            (Some(exchange), Some(nodes)) => t.nodes(exchange, nodes),
+        };
+        let rate = t.rate;
+        let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
+        // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
+        let edge = end + (pushed - end) * SETTLED;
+        let settling = ((Lanes::ONE - wall / pushed) / (Lanes::ONE - wall / edge)).ln() / rate;
+        black_box(Ends { pushed, end, rate, settling })
+    }
+}
+
+/// A group of tests with how they ended.
+struct Solved<'a> {
+    tests: &'a Tests,
+    ends: &'a Ends,
+}
+
+impl Solved<'_> {
+    /// How a lane's test has ended for the gas.
+    fn ending<'s>(&self, lane: usize, scenario: &'s Scenario, regression: Option<Regression>) -> Ending<'s> {
+        let Self { tests, ends, .. } = self;
+        Ending {
+            scenario,
+            duration: tests.push[lane] + tests.hold[lane],
+            wall: tests.closed.ambient_temperature[lane],
+            pushed: ends.pushed[lane],
+            end: ends.end[lane],
+            pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
+            settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
+            flowing: 0.0,
+            relative_rate: None,
+            regression,
+        }
+    }
+
+    /// The outcomes where the record shows the gas.
+    fn outcomes<'s>(
+        &self,
+        arch: Arch,
+        records: &mut Records,
+        fit: bool,
+        scenario: impl Fn(usize) -> &'s Scenario,
+        out: &mut [Outcome; WIDTH],
+    ) {
+        let Self { tests, ends, .. } = self;
+        let found = fit.then(|| {
+            let guess = arch.dispatch(Record { tests, ends, records });
+            records.fit(arch, guess)
+        });
+        for lane in 0..WIDTH {
+            let regression = found.as_ref().and_then(|found| found.lane(lane));
+            out[lane] = self.ending(lane, scenario(lane), regression).outcome();
+        }
+    }
+
+    /// The outcomes behind sensors, with effects on the reading.
+    fn readings<'s>(
+        &self,
+        arch: Arch,
+        buffers: &mut Buffers,
+        set: EffectSet,
+        fit: bool,
+        scenario: impl Fn(usize) -> &'s Scenario,
+        out: &mut [Outcome; WIDTH],
+    ) {
+        let Self { tests, ends } = *self;
+        let Buffers { records, readings } = buffers;
+        let wall = tests.closed.ambient_temperature;
+        let behind = |lane: usize| Behind::new(set, scenario(lane));
+        let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
+        let readings = Readings::new(arch, readings, tests, ends, behind, before);
+        let answers = readings.answers();
+        let found = fit.then(|| {
+            readings.lay_out(&answers, records);
+            let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
+            records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
+        });
+        for lane in 0..WIDTH {
+            let (scenario, answer) = (scenario(lane), &answers[lane]);
+            let regression = found.as_ref().and_then(|found| found.lane(lane));
+            let gas = self.ending(lane, scenario, None).outcome();
+            out[lane] = answer.outcome(scenario, regression, (wall[lane], &behind(lane)), gas);
+        }
+    }
+}
+
+/// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
+struct ExactHold<const FUSED: bool> {
+    at_rest: Lanes,
+    excess: Lanes,
+    rate: Lanes,
+    slowness: Lanes,
+}
+
+impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
+    type Knot = Lanes;
+    type Course<'a> = &'a Self;
+
+    #[inline(always)]
+    fn knot(&self, relaxations: f64) -> Lanes {
+        self.slowness * relaxations
+    }
+
+    #[inline(always)]
+    fn time(knot: &Lanes) -> Lanes {
+        *knot
+    }
+
+    #[inline(always)]
+    fn course(&self, _: [&Lanes; 2]) -> &Self {
+        self
+    }
+}
+
+impl<const FUSED: bool> Curve for &ExactHold<FUSED> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
+    }
+}
+
+/// Lays their records out; the answer is a guess of τ.
+struct Record<'a> {
+    tests: &'a Tests,
+    ends: &'a Ends,
+    records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = Guess;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
+        if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
+    }
+}
+
+impl Record<'_> {
+    #[inline(always)]
+    fn fill<const FUSED: bool>(self) -> Guess {
+        let Self { tests: t, ends, records } = self;
+        let wall = t.closed.ambient_temperature;
+        let excess = black_box(Lanes::ONE - wall / ends.pushed);
+        let hold = ExactHold::<FUSED> {
+            at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
+            excess,
+            rate: ends.rate,
+            slowness: black_box(ends.rate.recip()),
+        };
+        relaxing::lay_out(&hold, t.push, black_box(t.push + t.hold), records);
+        Guess::Relaxation { rate: ends.rate, excess, from: t.push }
+    }
+}

@@ -1,0 +1,166 @@
+//! Push-and-hold tests that have a closed form: the numbers that it needs, of one and of as many as there are lanes.
+
+use crate::closed::kept::{Exchange, Heat, RampPart};
+use crate::lanes::{Lanes, WIDTH};
+use crate::numerics::gauss::NODES;
+use crate::scenario::Scenario;
+use chamber::Chamber;
+use chamber::exact::Closed;
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// One test, reduced to the numbers its solution needs.
+pub struct ExactTest {
+    pub row: u32,
+    pub duration: f64,
+    /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
+    pub closed: Closed,
+    /// Whether the exchange during the push is not linear in the volume, by the effects.
+    pub is_bent: bool,
+    /// 1/τ_f in the hold, 1/s.
+    pub rate: f64,
+    pub parts: f64,
+    pub start: f64,
+    pub from: f64,
+    pub to: f64,
+    pub push: f64,
+}
+
+impl ExactTest {
+    /// Without effects, and before it is known how fast it exchanges heat: [`ExactTest::exchange`].
+    #[inline]
+    pub fn new(row: u32, s: &Scenario, duration: f64) -> Self {
+        let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+        let (start, push) = (s.initial_temperature_k, s.push_time_s);
+        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
+        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
+    }
+
+    /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
+    #[inline]
+    pub fn exchange(&mut self, held: f64, time_scales: f64) {
+        self.rate = held;
+        self.parts = Closed::parts(time_scales);
+    }
+}
+
+/// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
+pub trait Ramp {
+    /// 1/T at the end of one of the equal parts of a ramp.
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes;
+}
+
+impl Ramp for Closed<Lanes> {
+    #[inline(always)]
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
+        self.ramp_part(inverse, part.root, part.step, part.dwell)
+    }
+}
+
+impl Ramp for Exchange<'_, Lanes> {
+    #[inline(always)]
+    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
+        part.end(self, inverse)
+    }
+}
+
+/// As many tests as there are lanes.
+pub struct Tests {
+    pub closed: Closed<Lanes>,
+    pub rate: Lanes,
+    pub parts: Lanes,
+    pub start: Lanes,
+    pub from: Lanes,
+    pub to: Lanes,
+    pub push: Lanes,
+    pub hold: Lanes,
+}
+
+/// How the tests end, by lane: temperatures after push and hold, K, rate of the hold, 1/s, settling time, s.
+pub struct Ends {
+    pub pushed: Lanes,
+    pub end: Lanes,
+    pub rate: Lanes,
+    pub settling: Lanes,
+}
+
+impl Tests {
+    /// One of `all` in each lane, the last again in those that are left over.
+    pub fn new(all: &[ExactTest], order: &[u32]) -> Self {
+        let zero = Lanes::ZERO;
+        let mut tests = Self {
+            closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
+            rate: zero,
+            parts: zero,
+            start: zero,
+            from: zero,
+            to: zero,
+            push: zero,
+            hold: zero,
+        };
+        for lane in 0..WIDTH {
+            let test = &all[order[lane.min(order.len() - 1)] as usize];
+            let closed = &mut tests.closed;
+            closed.mass_gas_constant[lane] = test.closed.mass_gas_constant;
+            closed.exchange[0][lane] = test.closed.exchange[0];
+            closed.exchange[1][lane] = test.closed.exchange[1];
+            closed.expansion[lane] = test.closed.expansion;
+            closed.ambient_temperature[lane] = test.closed.ambient_temperature;
+            tests.rate[lane] = test.rate;
+            tests.parts[lane] = test.parts;
+            tests.start[lane] = test.start;
+            tests.from[lane] = test.from;
+            tests.to[lane] = test.to;
+            tests.push[lane] = test.push;
+            tests.hold[lane] = test.duration - test.push;
+        }
+        tests
+    }
+
+    /// Velocity of the push, m/s.
+    #[inline(always)]
+    pub fn velocity(&self, chamber: &Chamber<Lanes>) -> Lanes {
+        (self.to - self.from) / (chamber.geometry.piston_area * self.push)
+    }
+
+    /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
+    #[inline(always)]
+    pub fn nodes(&self, heat: &impl Heat<Lanes>, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
+        nodes.resize(self.most_parts(), [Lanes::ZERO; NODES]);
+        let mut inverse = self.start.recip();
+        for index in 0..self.most_parts() {
+            let next = self.part(index).nodes(heat, inverse, black_box(&mut nodes[index]));
+            inverse = black_box((self.parts - index as f64).where_positive(next, inverse));
+        }
+        inverse.recip()
+    }
+
+    /// In how many parts the push of any of them is taken at most.
+    #[inline(always)]
+    pub fn most_parts(&self) -> usize {
+        self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize
+    }
+
+    /// One of the equal parts of the push.
+    #[inline(always)]
+    fn part(&self, index: usize) -> RampPart<Lanes> {
+        let (begin, end) = (self.from.sqrt(), self.to.sqrt());
+        let step = (end - begin) / self.parts;
+        let dwell = self.push * 2.0 / (begin + end) / self.parts;
+        let Closed { ambient_temperature: wall, expansion, .. } = self.closed;
+        RampPart { root: begin + step * index as f64, step, dwell, wall, expansion }
+    }
+
+    /// Temperatures at the end of the push, K, each in its own number of parts.
+    #[inline(always)]
+    pub fn pushed(&self, ramp: &impl Ramp) -> Lanes {
+        let first = self.part(0);
+        let mut inverse = self.start.recip();
+        for index in 0..self.most_parts() {
+            let part = RampPart { root: first.root + first.step * index as f64, ..first };
+            let next = ramp.part(&part, inverse);
+            inverse = (self.parts - index as f64).where_positive(next, inverse);
+        }
+        inverse.recip()
+    }
+}

@@ -1,0 +1,58 @@
+//! What a test that has been solved gives back, by the temperature of its gas.
+
+use crate::outcome::{Outcome, Standing, to_be_lost};
+use crate::regression::{Regression, fit};
+use crate::scenario::Scenario;
+
+/// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.
+pub struct Ending<'a> {
+    /// What was pushed and held, and how.
+    pub scenario: &'a Scenario,
+    /// Length of the test, s.
+    pub duration: f64,
+    /// Temperature that the wall has at last, K.
+    pub wall: f64,
+    /// Temperature at the end of the push, K: from there it goes one way.
+    pub pushed: f64,
+    /// Temperature at the end, K.
+    pub end: f64,
+    /// P/T in the hold, Pa/K.
+    pub pressure_per_temperature: f64,
+    /// From the end of the push until within 1 %, s.
+    pub settling: f64,
+    /// What gas that flows in or out as at the end changes in as long as the hold has lasted, K; zero of a closed chamber.
+    pub flowing: f64,
+    /// The rate of its pressure at the end over the pressure, times the hold; none of a closed chamber, in which the wall tells it.
+    pub relative_rate: Option<f64>,
+    /// The paper's regression of its record, where it was asked for.
+    pub regression: Option<Regression>,
+}
+
+impl Ending<'_> {
+    /// The outcome, of the exact solution.
+    #[inline]
+    pub fn outcome(&self) -> Outcome {
+        let (s, pushed, end) = (self.scenario, self.pushed, self.end);
+        let positions = [s.initial_position_m, s.final_position_m];
+        let peak = s.peak([pushed, end]);
+        let to_be_lost = self.relative_rate.map_or(end - self.wall, |rate| to_be_lost(end - self.wall, -end * rate));
+        let (to_come, distance) = (to_be_lost.abs(), (peak - end).abs());
+        let standing = Standing { distance, to_come, going_on: self.flowing, stands: pushed == end };
+        let (settling_time_s, flows_on) = standing.judge(self.settling);
+        Outcome {
+            pressure_peak_pa: peak * self.pressure_per_temperature,
+            pressure_final_pa: end * self.pressure_per_temperature,
+            temperature_final_k: end,
+            temperature_peak_k: peak,
+            // A record that peaks at its end has no relaxation to describe.
+            fit: (self.regression.filter(|_| peak == pushed))
+                .and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            settling_time_s,
+            flows_on,
+            energy_error: 0.0,
+            duration_s: self.duration,
+            exact: true,
+            status: Ok(()),
+        }
+    }
+}

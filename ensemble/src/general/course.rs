@@ -1,0 +1,389 @@
+//! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
+//! of their records.
+
+use crate::Batch;
+use crate::filter::Sensor;
+use crate::general::Kind;
+use crate::general::equations::{self, General, Row};
+use crate::general::history::{History, Knot};
+use crate::general::relaxing_rows::{self, AfterPush};
+use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, advance};
+use crate::integrator::problem::{Problem, Steps};
+use crate::integrator::step::View;
+use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
+use crate::own::conduction;
+use crate::plan::Plan;
+use crate::reader::{self, Bends, ROUNDING, RowAnswer, Traces, seen_from};
+use crate::regression::Regression;
+use crate::regression::fit;
+use crate::scenario::{Scenario, lets_gas_pass};
+use crate::sets;
+use chamber::balance::{Balances, ENERGY, MASS, STATES};
+use chamber::effects::{self, EffectSet};
+use chamber::exact::Closed;
+use chamber::simulate::tolerance;
+
+/// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.
+const EMPTY: f64 = 0.01;
+/// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
+const HISTORY: usize = 1 << 14;
+/// The fewest rows that are solved together.
+const FEWEST: usize = 16;
+/// Knots after which traces are read: they and what is made of them stay in a core's nearest cache.
+const KNOTS: usize = 1 << 11;
+
+/// A row that is being integrated, stretch by stretch.
+struct IntegratedRow<'a> {
+    row: u32,
+    scenario: &'a Scenario,
+    plan: &'a Plan,
+    balance: &'a Balances,
+    sensor: Sensor,
+    bends: Bends<'a>,
+    /// Number of states that count in the error norm.
+    counted: f64,
+    /// Mass, kg, and internal energy, J, at its start.
+    initial: [f64; 2],
+    /// The same where it has come to.
+    contents: [f64; 2],
+    /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
+    energy: [f64; 2],
+    /// The place of its first stretch among the [`Passed`] ones, and how many it has passed.
+    first: usize,
+    passed: usize,
+    failure: Option<Failure>,
+}
+
+/// States of a row where it has come to, and their absolute tolerances.
+struct States<const N: usize> {
+    state: [f64; N],
+    absolute: [f64; N],
+}
+
+/// Where the history has the steps of a stretch that a row has passed, and what is seen at its start.
+type Passed = (Steps, View<f64>);
+
+/// Working memory, kept from one chunk to the next.
+#[derive(Default)]
+pub struct Memory {
+    balances: Vec<Balances>,
+    trail: Trail,
+    reader: reader::Memory,
+    relaxing: relaxing_rows::Memory,
+    conduction: conduction::Memory,
+}
+
+/// The steps of all rows.
+#[derive(Default)]
+struct Trail {
+    passed: Vec<Passed>,
+    history: History,
+}
+
+/// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
+/// `BITS` the same.
+pub fn run<const N: usize, const BITS: u32>(
+    batch: Batch,
+    memory: &mut Memory,
+    set: EffectSet,
+    kind: Kind,
+    rows: &[(u32, Plan)],
+    out: &mut [Outcome],
+) {
+    let Memory { balances, trail, reader, relaxing, conduction } = memory;
+    work_out(balances, rows, batch.scenarios);
+    trail.history.limit = (rows.len() > FEWEST).then_some(HISTORY);
+    let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
+    let mut first = 0;
+    for ((row, plan), balance) in rows.iter().zip(&*balances) {
+        let (mut course, all) = IntegratedRow::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
+        course.counted -= if BITS & equations::TIGHT == 0 { 0.0 } else { 1.0 };
+        course.first = first;
+        first += plan.stretches.len();
+        let absolute = tolerance(batch.options.relative_tolerance, &all).absolute;
+        let (state, absolute) = (General::<N, BITS>::states(&all), General::<N, BITS>::tolerances(&all, &absolute));
+        states.push(States { state, absolute });
+        courses.push(course);
+    }
+    let remembers = (kind == Kind::Remembering).then_some(conduction);
+    let stretches = if kind == Kind::Relaxing { 1 } else { usize::MAX };
+    if !integrate::<N, BITS>(batch, trail, set, (&mut courses, &mut states), stretches, remembers) {
+        // Too many steps to keep: fewer rows at a time.
+        for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
+            run::<N, BITS>(batch, memory, set, kind, rows, out);
+        }
+    } else if kind == Kind::Relaxing {
+        let mut pushed: Vec<AfterPush> = courses.iter().map(IntegratedRow::after_push).collect();
+        relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
+    } else {
+        read(batch, reader, trail, &courses, out);
+    }
+}
+
+/// The balances of rows.
+fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Scenario]) {
+    balances.resize(rows.len(), Balances::of(scenarios[rows[0].0 as usize].chamber));
+    for (balance, (row, _)) in balances.iter_mut().zip(rows) {
+        balance.chamber = scenarios[*row as usize].chamber;
+        balance.work_out();
+    }
+}
+
+/// Reads what is asked of rows off their traces.
+fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[IntegratedRow], out: &mut [Outcome]) {
+    let Batch { arch, options, .. } = batch;
+    let mut rest = courses;
+    while !rest.is_empty() {
+        let mut traces = Traces::new(reader);
+        while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
+            course.trace(trail, &mut traces);
+        }
+        let (group, others) = rest.split_at(traces.len());
+        rest = others;
+        let answers = traces.answers(arch);
+        let regressions = if options.fit {
+            traces.regressions(arch, &answers, |course| group[course].time_constant())
+        } else {
+            vec![None; answers.len()]
+        };
+        for ((c, answer), regression) in group.iter().zip(&answers).zip(regressions) {
+            out[c.row as usize] = match (c.failure, answer) {
+                (Some(reason), _) => Outcome::failed(reason),
+                (None, None) => Outcome::failed(Failure::EndsInPush),
+                (None, Some(answer)) => c.outcome(answer, regression),
+            };
+        }
+    }
+}
+
+/// Integrates rows over so many stretches at most; false where the history is too long. With walls that remember, `remembers`
+/// has the memory for their holds.
+fn integrate<const N: usize, const BITS: u32>(
+    batch: Batch,
+    Trail { passed, history }: &mut Trail,
+    set: EffectSet,
+    (courses, states): (&mut [IntegratedRow], &mut [States<N>]),
+    stretches: usize,
+    mut remembers: Option<&mut conduction::Memory>,
+) -> bool {
+    history.clear();
+    passed.clear();
+    let all = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
+    passed.resize(all, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
+    let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
+    for index in 0..stretches {
+        let mut active: Vec<usize> = (0..courses.len()).filter(|&c| courses[c].goes_on(index)).collect();
+        if active.is_empty() {
+            break;
+        }
+        history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
+        let mut pass = |course: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
+            passed[course.first + index] = (problem.steps, problem.view);
+            states.state = problem.state;
+            let contents = General::<N, BITS>::mass_and_energy(&problem.state, course.initial[MASS]);
+            let is_gas = General::<N, BITS>::holds_gas(&problem.state);
+            course.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
+        };
+        let problem = |course: &IntegratedRow, states: &States<N>| {
+            let mut problem = Problem::new(course.plan.stretches[index].length, states.state, states.absolute);
+            (problem.longest, problem.first) = course.steps(index);
+            problem
+        };
+        if General::<N, BITS>::REMEMBERS
+            && let Some(memory) = &mut remembers
+        {
+            let rests = |c: &usize| courses[*c].plan.stretches[index].velocity == 0.0;
+            let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
+            let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
+            problems.clear();
+            problems.extend(held.iter().map(|&c| problem(&courses[c], &states[c])));
+            let levels: Vec<usize> = held.iter().map(|&c| conduction::coarsest(&courses[c].sensor)).collect();
+            let places = General::<N, BITS>::places_of_wall();
+            let solved = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
+            for ((&c, problem), solved) in held.iter().zip(&problems).zip(solved) {
+                if solved {
+                    pass(&mut courses[c], &mut states[c], problem);
+                } else {
+                    others.push(c);
+                }
+            }
+            active = others;
+            if active.is_empty() {
+                continue;
+            }
+        }
+        let systems: Vec<Row> = active.iter().map(|&c| courses[c].system(index)).collect();
+        problems.clear();
+        problems.extend(active.iter().map(|&c| problem(&courses[c], &states[c])));
+        let system = General::<N, BITS>::new(&systems, set);
+        advance(batch.arch, &system, &mut problems, batch.options.relative_tolerance, history);
+        if history.is_at_limit() {
+            return false;
+        }
+        for (&c, problem) in active.iter().zip(&problems) {
+            pass(&mut courses[c], &mut states[c], problem);
+        }
+    }
+    !history.is_at_limit()
+}
+
+/// Boundary of the chamber at the end of a stretch, SI units.
+struct End {
+    position: f64,
+    volume: f64,
+    ambient_temperature: f64,
+}
+
+impl<'a> IntegratedRow<'a> {
+    /// A row at its start, and all states of its chamber there.
+    fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
+        let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
+        let of_gas = sets::on_the_gas(plan.active);
+        let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
+        let initial = [states[MASS], states[ENERGY]];
+        let course = Self {
+            row,
+            scenario,
+            plan,
+            balance,
+            sensor: Sensor::new(plan.active, &scenario.chamber.effects),
+            bends: Bends::new(plan.active, &scenario.chamber.effects),
+            counted: equations::states(of_gas.bits()) as f64,
+            initial,
+            contents: initial,
+            energy: [0.0; 2],
+            first: 0,
+            passed: 0,
+            failure: None,
+        };
+        (course, states)
+    }
+
+    /// What the integrator needs of it for a stretch.
+    fn system(&self, stretch: usize) -> Row<'_> {
+        let stretch = &self.plan.stretches[stretch];
+        Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
+    }
+
+    /// The longest step through a stretch, s, and its first one; zero where that is to be found out.
+    fn steps(&self, index: usize) -> (f64, f64) {
+        let stretch = &self.plan.stretches[index];
+        let longest = if index >= seen_from(self.plan, &self.sensor) {
+            LONGEST * stretch.length
+        } else if stretch.velocity != 0.0 {
+            LONGEST_OF_MOVE * stretch.length
+        } else {
+            f64::INFINITY
+        };
+        let remembers = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
+        let bent = index == 0 && (self.plan.starts_singular || remembers);
+        (longest, if bent { FIRST_OF_BENT * stretch.length } else { 0.0 })
+    }
+
+    /// Whether it goes through a stretch.
+    fn goes_on(&self, index: usize) -> bool {
+        self.failure.is_none() && index < self.plan.stretches.len()
+    }
+
+    /// Goes on from the end of a stretch: mass, kg, and internal energy, J, there, the energy received as heat and enthalpy and the
+    /// work over it, J, and why it was given up.
+    fn pass(&mut self, contents: [f64; 2], [received, work]: [f64; 2], failure: Option<Failure>) {
+        self.contents = contents;
+        self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
+        self.passed += 1;
+        let left = contents[MASS] / self.initial[MASS];
+        self.failure = failure.map(|reason| if left.is_nan() || left <= EMPTY { Failure::Empty } else { reason });
+    }
+
+    /// How its push has ended, where only that was integrated.
+    fn after_push(&self) -> AfterPush {
+        AfterPush {
+            row: self.row,
+            duration: self.plan.duration,
+            relaxations: (self.plan.duration - self.plan.push_end) / self.time_constant(),
+            mass: self.contents[MASS],
+            energy: [self.initial[ENERGY], self.contents[ENERGY]],
+            received: self.energy,
+            failure: self.failure,
+        }
+    }
+
+    /// Hands its trace over.
+    fn trace(&self, Trail { passed, history }: &Trail, traces: &mut Traces<'a>) {
+        traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
+        if self.failure.is_some() {
+            return;
+        }
+        let passed = &passed[self.first..self.first + self.passed];
+        for (stretch, &(steps, view)) in passed.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
+            traces.stretch(stretch, |knots| {
+                knots.push(Knot { at: 0.0, view, kink: false });
+                history.read(steps, knots);
+            });
+        }
+    }
+
+    fn end(&self) -> End {
+        let last = &self.plan.stretches[self.plan.stretches.len() - 1];
+        let boundary = last.boundary(last.length);
+        let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
+        let chamber = &self.scenario.chamber;
+        let ambient_temperature = effects::rest_temperature(&chamber.effects, ambient_temperature);
+        End { position, volume: chamber.geometry.volume(position), ambient_temperature }
+    }
+
+    /// The chamber at its end once it has the temperature of its surroundings.
+    fn at_rest(&self) -> Closed {
+        let chamber = &self.scenario.chamber;
+        let End { volume, ambient_temperature: ambient, .. } = self.end();
+        let pressure = self.contents[MASS] * chamber.gas.gas_constant * ambient / volume;
+        Closed::filled(chamber, pressure, ambient, volume, ambient)
+    }
+
+    /// τ of a tight chamber in its place, s.
+    fn time_constant(&self) -> f64 {
+        1.0 / self.at_rest().rate(self.end().volume)
+    }
+
+    /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
+    fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
+        let Plan { duration, push_end, delay, .. } = *self.plan;
+        let hold = duration - push_end;
+        let reading = self.sensor.shown(gas_pressure, duration);
+        let to_be_lost =
+            to_be_lost(gas_pressure * (1.0 - wall / a.temperature_final), -gas_pressure * a.pressure_rate * hold);
+        let to_come = if self.sensor.lag > 0.0 || delay > 0.0 {
+            a.pressure_final - self.bends.shown(self.sensor.shown(gas_pressure - to_be_lost, duration))
+        } else {
+            self.bends.change(reading, to_be_lost)
+        };
+        let flows = lets_gas_pass(self.plan.active, self.scenario);
+        let flowing = if flows { self.bends.change(reading, -gas_pressure * a.inflow * hold).abs() } else { 0.0 };
+        let going_on = flowing + (self.sensor.drift * hold).abs();
+        let distance = (a.pressure_peak - a.pressure_final).abs();
+        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs() && delay < hold;
+        Standing { distance, to_come: to_come.abs(), going_on, stands }
+    }
+
+    /// The outcome from what the record has answered.
+    fn outcome(&self, a: &RowAnswer, regression: Option<Regression>) -> Outcome {
+        let End { position, volume, ambient_temperature: ambient } = self.end();
+        let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
+        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, ambient).judge(a.settling);
+        let positions = [self.plan.stretches[0].position, position];
+        let start = self.scenario.initial_pressure_pa;
+        Outcome {
+            pressure_peak_pa: a.pressure_peak,
+            pressure_final_pa: a.pressure_final,
+            temperature_final_k: a.temperature_final,
+            temperature_peak_k: a.temperature_peak,
+            fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
+            settling_time_s,
+            flows_on,
+            energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),
+            duration_s: self.plan.duration,
+            exact: false,
+            status: Ok(()),
+        }
+    }
+}

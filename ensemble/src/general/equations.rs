@@ -1,0 +1,363 @@
+//! Any chamber with any effects in lanes, with the balances of [`balance`] as they are. States are √m, 1/√U
+//! and the own states of the effects in use, and the clock is that of [`crate::integrator::clock`]: with √m and V^(1/4) at hand, λ(P, T)
+//! takes no root, and with 1/√U the integrals of heat, work and enthalpy over a step are others than that of its states. In a
+//! closed chamber 1/U is a constant and a decaying exponential while the piston rests, and over an adiabatic push 1/√U is
+//! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
+
+use crate::general::chambers::load_chamber;
+use crate::integrator::corner::{self, OfEffects};
+use crate::integrator::problem::Loadable;
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::Lanes;
+use crate::plan::Stretch;
+use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
+use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::real::Real;
+
+/// Beside a set's bits: which of its effects there are is asked at run time.
+pub const ASKED: u32 = 1 << 31;
+/// Beside a set's bits: no gas enters or leaves, so that the mass is a constant and not a state.
+pub const TIGHT: u32 = 1 << 30;
+/// The bits of all effects, so asked.
+pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
+
+/// One row's share of a system.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Its chamber's balance.
+    pub balance: &'a Balances,
+    /// The stretch it is in.
+    pub stretch: &'a Stretch,
+    /// How many states it has: mass unless it is tight, energy and those of its own effects.
+    pub counted: f64,
+    /// Mass at the start, kg.
+    pub mass: f64,
+}
+
+/// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
+#[derive(Clone)]
+pub struct General<'a, const N: usize, const BITS: u32> {
+    rows: &'a [Row<'a>],
+    set: EffectSet,
+    balance: Balances<Lanes>,
+    per_gas_constant: Lanes,
+    /// Of tight chambers: the mass, kg, and its root.
+    mass: Lanes,
+    root_mass: Lanes,
+    /// How many states move, from the first on, where only the run time knows.
+    moving: usize,
+    /// How many states each has: what its error is the mean of.
+    counted: Lanes,
+    stretch: Stretch<Lanes>,
+}
+
+/// Place of the energy among the states of a set: behind the mass, where that is one.
+const fn energy_place(bits: u32) -> usize {
+    if bits & TIGHT == 0 { ENERGY } else { ENERGY - 1 }
+}
+
+/// Which of all states each of `N` states is: mass unless tight, energy, then those of the effects in the set.
+const fn places<const N: usize>(bits: u32) -> [usize; N] {
+    let mut out = [MASS; N];
+    out[energy_place(bits)] = ENERGY;
+    let mut next = energy_place(bits) + 1;
+    let mut effect = 0;
+    while effect < effects::COUNT {
+        let mut own = effects::STATE_OFFSETS[effect];
+        while own < effects::STATE_OFFSETS[effect + 1] {
+            if bits & (1 << effect) != 0 {
+                out[next] = OWN + own;
+                next += 1;
+            }
+            own += 1;
+        }
+        effect += 1;
+    }
+    out
+}
+
+/// Number of states of the set: what `N` must be.
+pub const fn states(bits: u32) -> usize {
+    let mut count = energy_place(bits) + 1;
+    let mut effect = 0;
+    while effect < effects::COUNT {
+        if bits & (1 << effect) != 0 {
+            count += effects::STATE_OFFSETS[effect + 1] - effects::STATE_OFFSETS[effect];
+        }
+        effect += 1;
+    }
+    count
+}
+
+impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
+    /// Which of all states each of this system's is.
+    pub const PLACES: [usize; N] = places(BITS);
+    /// Whether the mass is a constant.
+    const TIGHT: bool = BITS & TIGHT != 0;
+    /// Place of the energy among this system's states.
+    const ENERGY: usize = energy_place(BITS);
+
+    /// For these rows, all of one area law; lanes are not loaded yet.
+    pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
+        const { assert!(N == states(BITS)) };
+        let Row { balance, stretch, .. } = rows[0];
+        let balance = Balances::of(balance.chamber.lift());
+        let all = balance::moving_states(set);
+        let moving = Self::PLACES.iter().filter(|place| **place < all).count();
+        let stretch = stretch.lift();
+        let one = Lanes::ONE;
+        Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
+    }
+
+    /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::own::conduction`].
+    pub const REMEMBERS: bool = BITS != AT_RUN_TIME && EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
+    /// Places of the energy among its states, and of the first of such a wall's.
+    pub fn places_of_wall() -> [usize; 2] {
+        let first = effects::REMEMBERING.iter().map(|effect| OWN + effects::STATE_OFFSETS[effect]).next();
+        [Self::ENERGY, Self::PLACES.iter().position(|place| Some(*place) == first).unwrap_or(N)]
+    }
+
+    #[inline(always)]
+    fn set(&self) -> EffectSet {
+        let compiled = EffectSet::from_bits(BITS);
+        if BITS & ASKED == 0 { compiled } else { compiled.intersection(self.set) }
+    }
+
+    /// States to integrate, from all of a chamber's.
+    pub fn states(all: &[f64; STATES]) -> [f64; N] {
+        let mut y = Self::PLACES.map(|place| all[place]);
+        if !Self::TIGHT {
+            y[MASS] = all[MASS].sqrt();
+        }
+        y[Self::ENERGY] = 1.0 / all[ENERGY].sqrt();
+        y
+    }
+
+    /// Mass, kg, and internal energy, J, in a state that has come from one of mass `initial`.
+    pub fn mass_and_energy(y: &[f64; N], initial: f64) -> [f64; 2] {
+        [if Self::TIGHT { initial } else { y[MASS] * y[MASS] }, y[Self::ENERGY].powi(-2)]
+    }
+
+    /// Whether a chamber in that state holds gas (not where it is no number).
+    pub fn holds_gas(y: &[f64; N]) -> bool {
+        y[..=Self::ENERGY].iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
+    }
+
+    /// Absolute tolerances of the states to integrate.
+    pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
+        let mut tolerances = Self::PLACES.map(|place| absolute[place]);
+        if !Self::TIGHT {
+            tolerances[MASS] *= 0.5 / all[MASS].sqrt();
+        }
+        tolerances[Self::ENERGY] *= 0.5 / (all[ENERGY] * all[ENERGY].sqrt());
+        tolerances
+    }
+
+    /// The effects' own states.
+    #[inline(always)]
+    fn own(y: &[Lanes; N]) -> [Lanes; OWN_STATES] {
+        let mut own = [Lanes::ZERO; OWN_STATES];
+        for i in Self::ENERGY + 1..N {
+            own[Self::PLACES[i] - OWN] = y[i];
+        }
+        own
+    }
+
+    /// The clock's s, and ds/dr, when it shows `r`: only with some effects is it bent.
+    #[inline(always)]
+    fn unbent(&self, r: Lanes) -> [Lanes; 2] {
+        let bent = !self.set().intersection(effects::SINGULAR).is_empty();
+        if bent { self.stretch.clock.unbent(r) } else { [r, Lanes::ONE] }
+    }
+
+    /// What the chambers hold at the clock's `s`.
+    #[inline(always)]
+    fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
+        let root = self.stretch.clock.root(s);
+        let square = root * root;
+        let [mass, root_mass] = if Self::TIGHT { [self.mass, self.root_mass] } else { [y[MASS] * y[MASS], y[MASS]] };
+        let per_root_energy = y[Self::ENERGY];
+        // Two quotients by one division.
+        let root = root_mass * square;
+        let per_both = (root * per_root_energy).recip();
+        let root_energy = per_both * root;
+        let (energy, volume) = (root_energy * root_energy, square * square);
+        let (per_root, per_energy) = (per_both * per_root_energy, per_root_energy * per_root_energy);
+        Contents { mass, energy, volume, per_root, per_energy }
+    }
+
+    /// The boundary at the clock's `s`.
+    #[inline(always)]
+    fn boundary(&self, s: Lanes) -> Boundary<Lanes> {
+        self.stretch.boundary(if self.stretch.profiled { self.stretch.clock.time(s) } else { Lanes::ZERO })
+    }
+}
+
+impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let Row { balance: from, stretch, counted, mass } = self.rows[index];
+        let set = self.set();
+        if Self::TIGHT {
+            self.mass[lane] = mass;
+            self.root_mass[lane] = mass.sqrt();
+        }
+        self.per_gas_constant[lane] = from.per_cv * from.per_expansion;
+        self.counted[lane] = counted;
+        let to = &mut self.balance;
+        to.expansion[lane] = from.expansion;
+        to.per_expansion[lane] = from.per_expansion;
+        to.cv[lane] = from.cv;
+        to.per_cv[lane] = from.per_cv;
+        to.cp[lane] = from.cp;
+        to.heat_transfer_factor[lane] = from.heat_transfer_factor;
+        for (to, from) in to.area.iter_mut().zip(from.area) {
+            to[lane] = from;
+        }
+        let (constants, from_constants) = (&mut to.constants, &from.constants);
+        let (to, from) = (&mut to.chamber, &from.chamber);
+        load_chamber(to, lane, from);
+        let mut effect = 0;
+        while effect < effects::COUNT {
+            if set.has(effect) {
+                constants[effect][lane] = from_constants[effect];
+                let mut place = effects::PARAMETER_OFFSETS[effect];
+                while place < effects::PARAMETER_OFFSETS[effect + 1] {
+                    to.effects.0[place][lane] = from.effects.0[place];
+                    place += 1;
+                }
+            }
+            effect += 1;
+        }
+        self.stretch.load(lane, stretch);
+    }
+}
+
+impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
+    const CHEAP: bool = BITS & ASKED == 0 && N <= 3;
+    const ANYWHERE: bool = BITS == AT_RUN_TIME;
+
+    #[inline(always)]
+    fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
+        let [s, rate] = self.unbent(r);
+        let contents = self.contents(s, y);
+        let pace = self.stretch.clock.pace(s) * rate;
+        let (set, boundary, own) = (self.set(), self.boundary(s), Self::own(y));
+        let (at, rates, own) = if Self::TIGHT {
+            self.balance.evaluate_within(&Tight, set, &boundary, &contents, &own)
+        } else {
+            self.balance.evaluate_contents(set, &boundary, &contents, &own)
+        };
+        let mut out = [Lanes::ZERO; N];
+        if !Self::TIGHT {
+            out[MASS] = rates.mass * (y[MASS] * at.per_mass * 0.5) * pace;
+        }
+        out[Self::ENERGY] = rates.energy * (y[Self::ENERGY] * contents.per_energy * -0.5) * pace;
+        for i in Self::ENERGY + 1..N {
+            out[i] = own[Self::PLACES[i] - OWN] * pace;
+        }
+        // T = P V/(m R).
+        let share = rates.pressure * at.volume + at.pressure * at.piston_area * at.velocity;
+        let warming = (share * self.per_gas_constant - at.temperature * rates.mass) * at.per_mass;
+        let view = View { value: [at.pressure, at.temperature], slope: [rates.pressure * pace, warming * pace] };
+        let power = [(rates.heat_flow + rates.enthalpy_flow) * pace, rates.work * pace];
+        Moment { slope: out, view, power }
+    }
+
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        if BITS & ASKED == 0 { N } else { self.moving }
+    }
+
+    #[inline(always)]
+    fn counted(&self) -> Lanes {
+        self.counted
+    }
+
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        !self.set().intersection(effects::WITH_CORNERS).is_empty()
+    }
+
+    #[inline(always)]
+    fn widening(&self, at: Lanes) -> Lanes {
+        self.stretch.clock.widening(at)
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        let values = &self.balance.chamber.effects;
+        let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
+        corner::met(&corners, h, ends, widening)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::advance::{Nobody, run};
+    use crate::integrator::problem::Problem;
+    use crate::outcome::closure;
+    use crate::plan::Plan;
+    use crate::scenario::{Hold, Scenario};
+    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+
+    /// Balances whose energy lacks a share of what flows in.
+    #[derive(Clone)]
+    struct Short<'a> {
+        whole: General<'a, 2, 0>,
+        share: f64,
+    }
+
+    impl Loadable for Short<'_> {
+        fn load(&mut self, lane: usize, index: usize) {
+            self.whole.load(lane, index);
+        }
+    }
+
+    impl LaneSystem<2> for Short<'_> {
+        const CHEAP: bool = false;
+        const ANYWHERE: bool = true;
+
+        #[inline(always)]
+        fn rates(&self, s: Lanes, y: &[Lanes; 2]) -> Moment<2> {
+            let General { balance, stretch, .. } = &self.whole;
+            let enthalpy = balance.cp * stretch.inflow[0] * stretch.temperature_in;
+            let mut moment = self.whole.rates(s, y);
+            moment.slope[ENERGY] +=
+                enthalpy * self.share * stretch.clock.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
+            moment
+        }
+    }
+
+    #[test]
+    fn an_energy_that_enthalpy_is_missing_from_does_not_close_by_as_much() {
+        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
+        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
+        (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
+        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let balance = Balances::of(chamber);
+        let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
+        for share in [0.0, 1e-6, 0.01] {
+            let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);
+            for stretch in &plan.stretches {
+                let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
+                let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
+                let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
+                run::<2, false, _, _>(&system, &mut problems, 1e-10, &mut Nobody);
+                assert_eq!(problems[0].failure, None);
+                state = problems[0].state;
+                received += problems[0].energy[0] - problems[0].energy[1];
+                work += problems[0].energy[1].abs();
+            }
+            let missing = share * balance.cp * 1e-5 * 310.0 * 1.04;
+            let found = closure(all[ENERGY], state[ENERGY].powi(-2), received, work);
+            assert!(
+                (found - missing / work).abs() < 1e-9 * (1.0 + missing / work),
+                "{share}: {found:e} {missing:e} {work}"
+            );
+            assert!(found > 0.0);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Rows of any chamber by the integrator: the equations of all of them ([`equations`]), in code for their set of effects where there
+//! is some ([`compiled`]), stretch after stretch ([`course`]).
+
+pub mod chambers;
+pub mod compiled;
+mod course;
+pub mod equations;
+pub mod history;
+pub mod interpolant;
+mod relaxation;
+pub mod relaxing_rows;
+
+use crate::Batch;
+use crate::outcome::{Failure, Outcome};
+use crate::own::conduction;
+use crate::plan::Plan;
+use crate::ways::Features;
+use chamber::effects::{self, EffectSet};
+
+/// What rows that are integrated have in common.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Gas may enter or leave, at constant rates and by effects.
+    Open,
+    /// The stroke, the flow and the surroundings follow a profile.
+    Profiled,
+    /// No gas enters or leaves.
+    Tight,
+    /// Nor has the hold a state but the temperature: see [`relaxation`].
+    Relaxing,
+    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`conduction`].
+    Remembering,
+}
+
+impl Kind {
+    const ALL: [Self; 5] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing, Self::Remembering];
+
+    /// That of a row.
+    pub fn of(row: &Features) -> Self {
+        let of_gas = row.of_gas;
+        let by_integrals = row.is_wide && !row.integrates;
+        if !row.is_sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
+            if row.scenario.profile.is_some() { Self::Profiled } else { Self::Open }
+        } else if by_integrals && row.behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
+            Self::Relaxing
+        } else if by_integrals
+            && conduction::EFFECTS.contains(of_gas)
+            && !of_gas.intersection(effects::REMEMBERING).is_empty()
+        {
+            Self::Remembering
+        } else {
+            Self::Tight
+        }
+    }
+
+    /// Whether no gas enters or leaves.
+    fn is_tight(self) -> bool {
+        matches!(self, Self::Tight | Self::Relaxing | Self::Remembering)
+    }
+}
+
+/// A chunk's rows that are integrated so, by kind and area law: what lanes must have in common.
+#[derive(Default)]
+pub struct GeneralRows {
+    lists: [Planned; 2 * Kind::ALL.len()],
+    memory: course::Memory,
+}
+
+impl GeneralRows {
+    /// Empties the lists.
+    pub fn clear(&mut self) {
+        self.lists.iter_mut().for_each(Planned::clear);
+    }
+
+    /// Plans one more, unless it cannot be solved.
+    pub fn add(&mut self, row: u32, kind: Kind, set: EffectSet, features: &Features) -> Result<(), Failure> {
+        self.lists[usize::from(features.is_swept) + 2 * kind as usize].add(row, set, features)
+    }
+
+    /// Solves all.
+    pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
+        for (number, rows) in self.lists.iter().enumerate().filter(|(_, rows)| rows.count > 0) {
+            compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows.planned(), out);
+        }
+    }
+}
+
+/// Rows and their plans, whose memory is kept.
+#[derive(Default)]
+struct Planned {
+    rows: Vec<(u32, Plan)>,
+    /// How many of these are of the present chunk.
+    count: usize,
+}
+
+impl Planned {
+    /// The longest plan, in stretches, whose memory is kept: plans along profiles may be of any length.
+    const LONGEST: usize = 8;
+
+    fn clear(&mut self) {
+        self.count = 0;
+        self.rows.retain(|(_, plan)| plan.stretches.capacity() <= Self::LONGEST);
+    }
+
+    fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
+        if self.count == self.rows.len() {
+            self.rows.push((row, Plan::default()));
+        }
+        let place = &mut self.rows[self.count];
+        *place = (row, Plan::new(std::mem::take(&mut place.1.stretches), set, features.active, features.scenario)?);
+        self.count += 1;
+        Ok(())
+    }
+
+    fn planned(&self) -> &[(u32, Plan)] {
+        &self.rows[..self.count]
+    }
+}

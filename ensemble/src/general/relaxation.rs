@@ -1,0 +1,359 @@
+//! A hold of which the temperature is the only state: no gas enters or leaves, and no effect has a state of its own. How fast
+//! the temperature changes then follows from itself, and time is an integral over it. With
+//!
+//! e = (T − Tw)/(σ T + (1 − σ) Tw),  u = ln(e0/e),  dt/du = (T − Tw)/(−dT/dt) (σ T + (1 − σ) Tw)/Tw
+//!
+//! u counts relaxations: by each, e falls by a factor e. For a gas that cools σ is 0, for one that warms 1; so the place where
+//! T vanishes stays at a distance of π in the plane of complex u, and dt/du is a polynomial over several relaxations. It is
+//! integrated over panels by Gauss–Legendre quadrature, and a panel is cut where the last of Legendre's terms count.
+//! Temperatures in K, times in s since the push.
+
+use crate::lanes::Lanes;
+use crate::numerics::gauss::{Mirrored, NODES, Panel, RULE, node};
+use crate::numerics::root::{Curve, root, root_between};
+use crate::outcome::SETTLED;
+use crate::regression::relaxing::{self, Relaxing};
+use crate::regression::{Guess, Records};
+use crate::sets;
+use chamber::balance::{Balances, Boundary, Contents, Tight};
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// The effects on the gas of which each lets no gas pass and has no state, but for the curve of any kind.
+pub const EFFECTS: EffectSet = sets::on_the_gas_with(0).intersection(effects::KEEP_THE_MASS);
+
+/// The effects' states.
+const NO_STATES: [Lanes; 0] = [];
+/// Length of the first panel, by what factor each is longer than the one before, and the longest.
+const FIRST: f64 = 3.0;
+const GROW: f64 = 3.0;
+const LONGEST: f64 = 16.0;
+/// By how much smaller than a Legendre polynomial of the last order its integral is.
+const INTEGRATED: f64 = 1.0 / (2 * NODES - 1) as f64;
+/// u that is as good as none.
+const SHORTEST: f64 = 1e-9;
+/// |e| at which the gas has come to the wall's temperature.
+const AT_REST: f64 = 1e-11;
+/// The smallest relative tolerance that rounding allows for.
+const FINEST: f64 = 1e-13;
+/// Attempted panels after which a test is given up; most take two or three.
+const MOST: usize = 100;
+/// The slowest relaxation, as a share of one over the hold: slower ones, down to none, are as good as this.
+const SLOWEST: f64 = 1e-16;
+
+/// Tests at the end of their pushes, one a lane; SI units.
+pub struct Pushed<'a> {
+    /// With the parameters of the effects.
+    pub balance: &'a Balances<Lanes>,
+    /// Mass, kg.
+    pub mass: Lanes,
+    /// Internal energy, J.
+    pub energy: Lanes,
+    /// Volume, m³.
+    pub volume: Lanes,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: Lanes,
+    /// Pressure of the surroundings, Pa.
+    pub ambient_pressure: Lanes,
+    /// Length of the push, s.
+    pub push: Lanes,
+    /// Length of the hold, s.
+    pub hold: Lanes,
+}
+
+/// How the holds go on, one a lane.
+pub struct Ends<'a> {
+    /// Temperature at the end, K; not a number where the hold could not be followed.
+    pub end: Lanes,
+    /// From when on the temperature is within 1 % of its way from its end, s.
+    pub settling: Lanes,
+    /// How many relaxations the hold takes.
+    relaxations: Lanes,
+    gas: GasOverRelaxations<'a>,
+}
+
+impl Ends<'_> {
+    /// Temperature of the wall, K.
+    pub fn wall(&self) -> Lanes {
+        self.gas.wall
+    }
+
+    /// Temperature at the start, K.
+    pub fn pushed(&self) -> Lanes {
+        self.gas.pushed
+    }
+}
+
+/// A part of the hold.
+#[derive(Clone, Copy, Debug)]
+pub struct HoldPart {
+    /// u at its start; its length, zero in lanes that go without it; and one over that.
+    from: Lanes,
+    length: Lanes,
+    per_length: Lanes,
+    /// Time at its start, and since then.
+    begin: Lanes,
+    time: Panel<Lanes>,
+}
+
+/// The gas over u.
+struct GasOverRelaxations<'a> {
+    set: EffectSet,
+    balance: &'a Balances<Lanes>,
+    boundary: Boundary<Lanes>,
+    contents: Contents<Lanes>,
+    wall: Lanes,
+    /// The temperature at the start.
+    pushed: Lanes,
+    /// σ.
+    warms: Lanes,
+    /// e0.
+    excess: Lanes,
+    slowest: Lanes,
+}
+
+impl<'a> GasOverRelaxations<'a> {
+    #[inline(always)]
+    fn new(set: EffectSet, pushed: &Pushed<'a>) -> Self {
+        let set = set.intersection(EFFECTS);
+        let balance = pushed.balance;
+        let boundary = Boundary::closed(Lanes::ZERO, pushed.ambient_temperature, pushed.ambient_pressure);
+        let contents = Contents::new(pushed.mass, pushed.energy, pushed.volume);
+        let (at, ..) = balance.evaluate_within(&Tight, set, &boundary, &contents, &NO_STATES);
+        let (pushed, wall, slowest) = (at.temperature, at.wall_temperature, pushed.hold.recip() * SLOWEST);
+        let warms = (wall - pushed).where_positive(Lanes::ONE, Lanes::ZERO);
+        let mut gas = Self { set, balance, boundary, contents, wall, pushed, warms, excess: Lanes::ZERO, slowest };
+        gas.excess = gas.excess_of(pushed);
+        gas
+    }
+
+    /// e at a temperature.
+    #[inline(always)]
+    fn excess_of(&self, temperature: Lanes) -> Lanes {
+        (temperature - self.wall) / self.warms.where_positive(temperature, self.wall)
+    }
+
+    /// The temperature after so many relaxations.
+    #[inline(always)]
+    fn temperature(&self, relaxations: Lanes) -> Lanes {
+        let excess = self.excess * (-relaxations).exp();
+        self.wall * (Lanes::ONE + (Lanes::ONE - self.warms) * excess) / (Lanes::ONE - self.warms * excess)
+    }
+
+    /// Relaxations until that temperature.
+    #[inline(always)]
+    fn relaxations(&self, temperature: Lanes) -> Lanes {
+        (self.excess / self.excess_of(temperature)).ln()
+    }
+
+    /// dt/du there.
+    #[inline(always)]
+    fn slowness(&self, relaxations: Lanes) -> Lanes {
+        let Self { set, balance, boundary, contents, wall, warms, .. } = self;
+        let temperature = self.temperature(relaxations);
+        let capacity = contents.mass * balance.cv;
+        let energy = capacity * temperature * effects::internal_energy(*set, &balance.chamber.effects, temperature);
+        let contents = Contents { energy, per_energy: energy.recip(), ..*contents };
+        let (at, rates, _) = balance.evaluate_within(&Tight, *set, boundary, &contents, &NO_STATES);
+        let warming = rates.energy * at.per_mass / at.cv;
+        let mean = warms.where_positive(temperature, *wall);
+        (warming * *wall / ((*wall - temperature) * mean)).max(self.slowest).recip()
+    }
+}
+
+/// The time over u.
+struct Time<'a> {
+    parts: &'a [HoldPart],
+}
+
+impl Curve for Time<'_> {
+    #[inline(always)]
+    fn at(&self, relaxations: Lanes) -> Lanes {
+        let mut time = Lanes::ZERO;
+        for part in self.parts {
+            let since = relaxations - part.from;
+            let here = part.begin + part.time.at(since * part.per_length);
+            time = since.min(part.length).where_positive(here, time);
+        }
+        time
+    }
+}
+
+/// The time that is left until one.
+struct Left<'a, C> {
+    curve: &'a C,
+    until: Lanes,
+}
+
+impl<C: Curve> Curve for Left<'_, C> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        self.until - self.curve.at(place)
+    }
+}
+
+/// A time over the share of a part.
+impl Curve for HoldPart {
+    #[inline(always)]
+    fn at(&self, share: Lanes) -> Lanes {
+        self.begin + self.time.at(share)
+    }
+}
+
+/// Follows holds to their ends; `parts` keeps the time.
+pub struct Solve<'b, 'a> {
+    /// Effects that are active in any of them.
+    pub set: EffectSet,
+    /// Where they begin.
+    pub pushed: &'b Pushed<'a>,
+    /// Relative tolerance of the temperatures.
+    pub relative: f64,
+    /// The parts of the last hold are dropped.
+    pub parts: &'b mut Vec<HoldPart>,
+}
+
+impl<'a> WithSimd for Solve<'_, 'a> {
+    type Output = Ends<'a>;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends<'a> {
+        let Self { set, pushed: start, relative, parts } = self;
+        let start = black_box(start);
+        let gas = black_box(GasOverRelaxations::new(set, start));
+        let last = (gas.excess.abs() * (1.0 / AT_REST)).max(Lanes::ONE).ln();
+        let (mut from, mut begin, mut length) = (Lanes::ZERO, Lanes::ZERO, Lanes::from(FIRST).min(last));
+        let mut end = last;
+        let relative = relative.max(FINEST);
+        let mut open = last.where_positive(Lanes::ONE, Lanes::ZERO);
+        parts.clear();
+        for _ in 0..MOST {
+            if !open.any_positive() {
+                break;
+            }
+            let mut slowness = [Lanes::ZERO; NODES];
+            let mut total = Lanes::ZERO;
+            for index in 0..black_box(NODES) {
+                let (share, weight) = node(index);
+                slowness[index] = black_box(gas.slowness(from + length * share) * length);
+                total += slowness[index] * weight;
+            }
+            let (rule, slowness) = (&*RULE, Mirrored::new(&slowness));
+            let mut times = [Lanes::ZERO; NODES];
+            rule.up_to_nodes(&slowness, &mut times);
+            let [one, other] = [NODES - 2, NODES - 1].map(|order| rule.legendre(&slowness, order).abs());
+            // An error of the time is one of the temperature by as much as the latter still moves.
+            let moves = gas.excess.abs() * (-from).exp();
+            let good = (total * relative - (one + other) * moves * INTEGRATED).min(open);
+            let good = good.where_positive(Lanes::ONE, Lanes::ZERO);
+            let part = black_box(HoldPart {
+                from,
+                length: good * length,
+                per_length: good.where_positive(length, Lanes::ONE).recip(),
+                begin,
+                time: Panel::through(&times, rule),
+            });
+            let after = begin + total;
+            let ends = (start.hold - after).where_positive(Lanes::ZERO, good);
+            if ends.any_positive() {
+                let share = root(&Left { curve: &part, until: start.hold }, Lanes::ZERO, Lanes::ONE);
+                end = ends.where_positive(from + length * share, end);
+            }
+            parts.push(part);
+            from = good.where_positive(from + length, from);
+            begin = good.where_positive(after, begin);
+            length = good.where_positive(length * GROW, length * 0.5).min(Lanes::from(LONGEST)).min(last - from);
+            let far = (start.hold - begin).min(length - SHORTEST);
+            open = open.min(far).where_positive(Lanes::ONE, Lanes::ZERO);
+        }
+        let relaxations = open.where_positive(Lanes::from(f64::NAN), end);
+        let end = gas.temperature(relaxations);
+        let edge = gas.relaxations(end + (gas.pushed - end) * SETTLED);
+        black_box(Ends { end, settling: Time { parts }.at(edge), relaxations, gas })
+    }
+}
+
+/// Lays out the records of holds that were followed to their ends; the answer is a guess of τ.
+pub struct Record<'a> {
+    /// Where they begin.
+    pub pushed: &'a Pushed<'a>,
+    /// How they go on.
+    pub ends: &'a Ends<'a>,
+    pub parts: &'a [HoldPart],
+    /// Where their records go.
+    pub records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = Guess;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
+        let Self { pushed, ends, parts, records } = self;
+        let Ends { gas, relaxations, .. } = black_box(ends);
+        let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
+        let Pushed { push, hold, .. } = *pushed;
+        let held = Held { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
+        relaxing::lay_out(&held, push, push + hold, records);
+        let rate = gas.slowness(Lanes::ZERO).recip();
+        Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
+    }
+}
+
+/// Holds that were followed to their ends.
+struct Held<'a> {
+    gas: &'a GasOverRelaxations<'a>,
+    time: Time<'a>,
+    hold: Lanes,
+    relaxations: Lanes,
+    /// P/T, Pa/K.
+    per_temperature: Lanes,
+}
+
+impl Relaxing for Held<'_> {
+    const ENDS: &'static [f64] = relaxing::SLOWING_ENDS;
+    const IS_LONG: bool = true;
+    /// Relaxations, the time that they take, and where the part ends: with the hold, in lanes that have no more of them.
+    type Knot = [Lanes; 3];
+    type Course<'a>
+        = Course<'a>
+    where
+        Self: 'a;
+
+    #[inline(always)]
+    fn knot(&self, relaxations: f64) -> [Lanes; 3] {
+        let at = self.relaxations.min(Lanes::from(relaxations));
+        let time = self.time.at(at);
+        [at, time, (self.relaxations - relaxations).where_positive(time, self.hold)]
+    }
+
+    #[inline(always)]
+    fn time([.., end]: &[Lanes; 3]) -> Lanes {
+        *end
+    }
+
+    #[inline(always)]
+    fn course(&self, ends: [&[Lanes; 3]; 2]) -> Course<'_> {
+        let [[low, from, _], [high, to, _]] = [*ends[0], *ends[1]];
+        Course { held: self, relaxations: [low, high], times: [from, to] }
+    }
+}
+
+/// Their pressure from one knot to another.
+struct Course<'a> {
+    held: &'a Held<'a>,
+    relaxations: [Lanes; 2],
+    times: [Lanes; 2],
+}
+
+impl Curve for Course<'_> {
+    #[inline(always)]
+    fn at(&self, time: Lanes) -> Lanes {
+        let Self { held, relaxations: [low, high], times: [from, to] } = self;
+        let until = time.max(*from).min(*to);
+        let left = [until - *from, until - *to];
+        let relaxations = root_between(&Left { curve: &held.time, until }, [*low, *high], left);
+        held.gas.temperature(relaxations) * held.per_temperature
+    }
+}

@@ -1,0 +1,480 @@
+//! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
+//! that is done takes the next problem. Steps are those of a Runge–Kutta pair ([`crate::integrator::step`]) or of the solution's own series
+//! ([`crate::integrator::expansion`]).
+
+use crate::integrator::corner;
+use crate::integrator::expansion::{ORDER, Stride};
+use crate::integrator::first_step::{begin, first_step};
+use crate::integrator::problem::{Loadable, Problem, Steps};
+use crate::integrator::step::{Attempt, FEELING, LaneSystem, Moment, Stages, View, attempt, judge, stages_in_turn};
+use crate::integrator::tableau::STAGES;
+use crate::lanes::math::inverse_eighth_root;
+use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::outcome::Failure;
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Attempts after which a problem is given up; a push-and-hold test takes some twenty. A history of as many is 23 MB long.
+const MAX_ATTEMPTS: f64 = 3e4;
+const SAFETY: f64 = 0.9;
+/// No more: an error estimate that happens to vanish would let the next step grow out of all bounds.
+const GROW: f64 = 2.5;
+const SHRINK: f64 = 0.3;
+/// Share of a step that was not a number, to be tried next.
+const NOT_A_NUMBER: f64 = 0.1;
+/// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
+pub const LONGEST: f64 = 0.26;
+/// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
+/// once, and a step that errs by twenty times its tolerance passes. Longer steps are rejected so often that they gain nothing.
+pub const LONGEST_OF_MOVE: f64 = 0.34;
+/// First step of a test, as a share of the stretch, where there is no telling its length by the rates: by a clock that is bent, and
+/// before a wall that remembers, whose modes all start from rest.
+pub const FIRST_OF_BENT: f64 = 0.15;
+/// How many times the length of the last step a kink is foreseen at most.
+const FORESIGHT: f64 = 1.0;
+/// A step of this share of what is left goes to the end.
+const NEARLY: f64 = 1.0 - 1e-12;
+/// A step shorter than this share of the stretch is no progress.
+const SMALLEST_SHARE: f64 = 1e-14;
+
+/// An attempted step of all lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Tried<const N: usize> {
+    /// Time at which the step begins, s from the stretch's start.
+    pub from: Lanes,
+    /// Length of the step, s.
+    pub length: Lanes,
+    /// States at its start.
+    pub begin: [Lanes; N],
+    /// States at its end.
+    pub end: [Lanes; N],
+    /// What is seen at its end.
+    pub view: View<Lanes>,
+    /// Per lane: 1 where the step was accepted, 2 where it was and a kink had cut it short, else 0.
+    pub accepted: Lanes,
+}
+
+/// Lane-wise choice where `condition` > 0.
+#[inline(always)]
+fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -> [Lanes; N] {
+    let mut out = *no;
+    for i in 0..N {
+        out[i] = condition.where_positive(yes[i], no[i]);
+    }
+    out
+}
+
+/// Sees every attempted step.
+pub trait Watch<const N: usize> {
+    /// Called for each attempted step, accepted or not.
+    fn see(&mut self, tried: &Tried<N>);
+    /// How many steps it has kept: the places that [`Steps`] tells.
+    fn kept(&self) -> usize;
+    /// Whether it can keep no more: then all problems are left where they are.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        false
+    }
+}
+
+/// For solutions of which only the end counts.
+pub struct Nobody;
+
+impl<const N: usize> Watch<N> for Nobody {
+    #[inline(always)]
+    fn see(&mut self, _: &Tried<N>) {}
+    #[inline(always)]
+    fn kept(&self) -> usize {
+        0
+    }
+}
+
+/// Owner of a lane without a problem.
+const IDLE: usize = usize::MAX;
+/// A lane set with every lane in it; bit i stands for lane i.
+const ALL: u32 = (1 << WIDTH) - 1;
+
+/// Takes the first lane out of a set.
+#[inline(always)]
+fn first(lanes: &mut u32) -> Option<usize> {
+    if *lanes == 0 {
+        return None;
+    }
+    let lane = lanes.trailing_zeros() as usize;
+    *lanes &= *lanes - 1;
+    Some(lane)
+}
+
+/// Problems under way, one a lane.
+struct Group<const N: usize, S> {
+    system: S,
+    owner: [usize; WIDTH],
+    attempts: Lanes,
+    /// Positive where a lane has further to go, and may.
+    going: Lanes,
+    /// Lanes whose problem has come to its end, and lanes for which there was none left, a bit each.
+    ended: u32,
+    idle: u32,
+    t: Lanes,
+    h: Lanes,
+    /// Where a kink cuts a step short: the length to go on with behind it.
+    beyond: Lanes,
+    /// Pressure and its slope at the start of the last good step of the stretch, and its length; zero where there was none.
+    before: [Lanes; 2],
+    since: Lanes,
+    /// How fast the chamber widens at `t`, where that tells kinks.
+    widening: Lanes,
+    length: Lanes,
+    longest: Lanes,
+    y: [Lanes; N],
+    /// Rates of the system at `t` and `y`.
+    moment: Moment<N>,
+    absolute: [Lanes; N],
+    /// Running sums as in [`Problem::energy`], J.
+    energy: [Lanes; 2],
+}
+
+/// Solves each problem that has not failed, on the machine's widest instructions, under the eyes of `watch`.
+pub fn advance<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
+    arch: Arch,
+    system: &S,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    watch: &mut impl Watch<N>,
+) {
+    arch.dispatch(Advance { system, problems, relative, watch });
+}
+
+struct Advance<'a, const N: usize, S, W> {
+    system: &'a S,
+    problems: &'a mut [Problem<N>],
+    relative: f64,
+    watch: &'a mut W,
+}
+
+impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>> WithSimd for Advance<'_, N, S, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) {
+        // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
+        if !I::IS_SCALAR {
+            run::<N, true, S, W>(self.system, self.problems, self.relative, self.watch);
+        } else if S::ANYWHERE {
+            run::<N, false, S, W>(self.system, self.problems, self.relative, self.watch);
+        } else {
+            unreachable!("a system that is not compiled for any machine");
+        }
+    }
+}
+
+/// As [`advance`], in the instructions of the function around.
+#[inline(always)]
+pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+    system: &S,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    watch: &mut W,
+) {
+    let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
+    if S::CHEAP && !S::BY_SERIES {
+        begin::<N, S>(system, problems, relative);
+    }
+    let mut group: Group<N, S> = Group {
+        system: system.clone(),
+        owner: [IDLE; WIDTH],
+        attempts: Lanes::ZERO,
+        going: Lanes::ZERO,
+        ended: ALL,
+        idle: 0,
+        t: Lanes::ZERO,
+        h: Lanes::ZERO,
+        beyond: Lanes::ZERO,
+        before: [Lanes::ZERO; 2],
+        since: Lanes::ZERO,
+        widening: Lanes::ZERO,
+        length: Lanes::ZERO,
+        longest: Lanes::ZERO,
+        y: [Lanes::ONE; N],
+        moment: Moment::NONE,
+        absolute: [Lanes::ONE; N],
+        energy: [Lanes::ZERO; 2],
+    };
+    // Lanes without a problem of their own rest where this one begins.
+    for lane in 0..WIDTH {
+        group.system.load(lane, any);
+        for i in 0..N {
+            group.y[i][lane] = problems[any].state[i];
+        }
+    }
+    let mut next = 0;
+    if !S::CHEAP {
+        return run_in_turn::<N, FUSED, S, W>(group, problems, relative, watch);
+    }
+    loop {
+        group.through_memory().halt();
+        if group.ended != 0 {
+            group.refill(problems, &mut next, watch.kept() as u32);
+        }
+        if group.idle == ALL {
+            return;
+        }
+        let group = group.through_memory();
+        if S::BY_SERIES {
+            group.stride(relative, watch);
+            continue;
+        }
+        let tried = group.planned();
+        let (y, absolute) = (&group.y, (relative, &group.absolute));
+        let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.moment, absolute);
+        group.take(tried, step, watch);
+    }
+}
+
+/// The same with the rates in the code once: first for the start of all problems, then for their steps.
+#[inline(always)]
+fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+    mut group: Group<N, S>,
+    problems: &mut [Problem<N>],
+    relative: f64,
+    watch: &mut W,
+) {
+    let (mut begun, mut next) = (0, 0);
+    let mut all = Stages::NONE;
+    loop {
+        let begins = begun < problems.len();
+        if begins {
+            group.load_to_begin(problems, begun);
+        } else {
+            group.through_memory().halt();
+            if group.ended != 0 {
+                group.refill(problems, &mut next, watch.kept() as u32);
+            }
+            if group.idle == ALL || watch.is_full() {
+                return;
+            }
+        }
+        let group = group.through_memory();
+        let tried = if begins { Lanes::ZERO } else { group.planned() };
+        let stages = black_box(if begins { FEELING } else { 1..STAGES });
+        all.begin(&group.moment);
+        let (length, y, absolute) = (group.length, &group.y, &group.absolute);
+        let (end, moment, reached) = stages_in_turn::<N, FUSED, S>(
+            &group.system,
+            [group.t, tried],
+            y,
+            &mut all,
+            stages,
+            (length, absolute, relative),
+        );
+        if begins {
+            let first = first_step(length, y, absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
+            for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
+                problem.begin(lane, &moment, first);
+            }
+            begun += WIDTH;
+            // Until it is given a problem a lane is at its end.
+            group.length = Lanes::ZERO;
+        } else {
+            let tolerance = (relative, absolute);
+            let step = judge::<N, FUSED, S>(&group.system, tried, y, (end, moment), &all, tolerance);
+            group.take(tried, step, watch);
+        }
+    }
+}
+
+impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
+    /// Keeps the compiler from carrying lanes from one phase into the next as single numbers, which it would then
+    /// compute with one by one.
+    #[inline(always)]
+    fn through_memory(&mut self) -> &mut Self {
+        black_box(self)
+    }
+
+    /// Stores the solutions of lanes that have come to rest, failed where they are short of their end, and gives them the next
+    /// problems.
+    #[inline(always)]
+    fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
+        while let Some(lane) = first(&mut self.ended) {
+            if let Some(done) = problems.get_mut(self.owner[lane]) {
+                if self.t[lane] < self.length[lane] {
+                    let stuck = self.attempts[lane] < MAX_ATTEMPTS;
+                    done.failure = Some(if stuck { Failure::StepTooSmall } else { Failure::TooManySteps });
+                }
+                done.steps.to = kept;
+                for i in 0..N {
+                    done.state[i] = self.y[i][lane];
+                }
+                for part in 0..2 {
+                    done.energy[part] = self.energy[part][lane];
+                }
+            }
+            while problems.get(*next).is_some_and(|p| p.failure.is_some()) {
+                *next += 1;
+            }
+            let Some(problem) = problems.get_mut(*next) else {
+                self.owner[lane] = IDLE;
+                self.idle |= 1 << lane;
+                (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
+                continue;
+            };
+            problem.steps = Steps { from: kept, to: 0, lane: lane as u32 };
+            self.system.load(lane, *next);
+            for i in 0..N {
+                self.y[i][lane] = problem.state[i];
+            }
+            for part in 0..2 {
+                self.energy[part][lane] = 0.0;
+            }
+            (self.t[lane], self.length[lane], self.longest[lane]) = (0.0, problem.length, problem.longest);
+            self.attempts[lane] = 0.0;
+            self.owner[lane] = *next;
+            if !S::BY_SERIES {
+                self.begin(lane, problem);
+            }
+            *next += 1;
+        }
+    }
+
+    /// Puts into a lane what the pair's steps need of the start of its problem beside the states.
+    #[inline(always)]
+    fn begin(&mut self, lane: usize, problem: &Problem<N>) {
+        for i in 0..N {
+            self.moment.slope[i][lane] = problem.slope[i];
+            self.absolute[i][lane] = problem.absolute[i];
+        }
+        for i in 0..2 {
+            self.moment.view.value[i][lane] = problem.view.value[i];
+            self.moment.view.slope[i][lane] = problem.view.slope[i];
+            self.moment.power[i][lane] = problem.power[i];
+        }
+        self.h[lane] = problem.first.min(problem.longest);
+        (self.beyond[lane], self.since[lane]) = (0.0, 0.0);
+    }
+
+    /// Loads problems from `base` on into the lanes, to begin them.
+    #[inline(always)]
+    fn load_to_begin(&mut self, problems: &[Problem<N>], base: usize) {
+        for lane in 0..WIDTH {
+            let index = (base + lane).min(problems.len() - 1);
+            let problem = &problems[index];
+            self.system.load(lane, index);
+            self.length[lane] = problem.length;
+            for i in 0..N {
+                self.y[i][lane] = problem.state[i];
+                self.absolute[i][lane] = problem.absolute[i];
+            }
+        }
+    }
+
+    /// How long a step to try.
+    #[inline(always)]
+    fn planned(&mut self) -> Lanes {
+        let left = self.length - self.t;
+        let last = self.h - left * NEARLY;
+        // Two even steps rather than a whole one and a sliver.
+        let planned = last.where_positive(left, self.h.min(left * 0.5));
+        if self.system.has_kinks() { self.up_to_kink(planned) } else { planned }
+    }
+
+    /// Ends steps at kinks that are seen to come.
+    #[inline(always)]
+    fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
+        let at = self.moment.view.pressure();
+        self.widening = self.system.widening(self.t);
+        let ahead = corner::ahead(planned, at, self.widening, self.before, self.since);
+        let cut = planned * self.system.kink(planned, [at, ahead], self.widening);
+        // Of a hold not from afar.
+        let near = self.since.min(self.since * FORESIGHT - cut);
+        let comes = (planned - cut).min(self.widening.abs().where_positive(Lanes::ONE, near));
+        self.beyond = comes.where_positive(self.h, self.beyond);
+        comes.where_positive(cut, planned)
+    }
+
+    /// Takes a step that was tried in every lane where it is good.
+    #[inline(always)]
+    fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, watch: &mut W) {
+        let (t, h, length, y) = (self.t, self.h, self.length, self.y);
+        let last = tried - (length - t) * NEARLY;
+        let kinked = self.system.has_kinks();
+        let at = self.moment.view.pressure();
+        let kink =
+            if kinked { self.system.kink(tried, [at, step.moment.view.pressure()], self.widening) } else { Lanes::ONE };
+        // Positive where the step is good: not for NaN.
+        let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
+        let accepted =
+            if kinked { good.where_positive(self.beyond.where_positive(Lanes::from(2.0), good), good) } else { good };
+        watch.see(&Tried { from: t, length: tried, begin: y, end: step.end, view: step.moment.view, accepted });
+        // error^(−1/8) from its square.
+        let error = (step.error_squared + 1e-40).sqrt();
+        let root = inverse_eighth_root(error) * SAFETY;
+        let factor = root.max(Lanes::from(SHRINK)).min(Lanes::from(GROW));
+        let by_error = each_lane!(i => if step.error_squared.0[i] > 1.0 { factor.0[i].min(0.9) } else { NOT_A_NUMBER });
+        let smooth = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] });
+        let shrunk = tried * smooth.min(kink);
+        let grown = tried * factor;
+        // A step cut short by the end, or by a kink, says nothing against the longer one that was planned.
+        let behind = if kinked { grown.max(self.beyond) } else { grown };
+        let kept = last.where_positive(h.max(grown), behind);
+        let h = good.where_positive(kept, shrunk);
+        let t = good.where_positive(last.where_positive(length, t + tried), t);
+        for part in 0..2 {
+            self.energy[part] += good.where_positive(step.energy[part], Lanes::ZERO);
+        }
+        self.y = choose(good, &step.end, &y);
+        if kinked {
+            let on = (Lanes::ONE - kink).where_positive(tried * smooth, Lanes::ZERO);
+            self.beyond = good.where_positive(Lanes::ZERO, on);
+            self.since = good.where_positive(tried, self.since);
+            self.before = choose(good, &at, &self.before);
+        }
+        let (to, from) = (&mut self.moment, &step.moment);
+        to.slope = choose(good, &from.slope, &to.slope);
+        to.view.value = choose(good, &from.view.value, &to.view.value);
+        to.view.slope = choose(good, &from.view.slope, &to.view.slope);
+        to.power = choose(good, &from.power, &to.power);
+        let h = h.min(self.longest);
+        (self.t, self.h) = (t, h);
+        self.rest_or_go();
+    }
+
+    /// Takes a step by the system's series, in every lane in which that has numbers.
+    #[inline(always)]
+    fn stride<W: Watch<N>>(&mut self, relative: f64, watch: &mut W) {
+        let expansion = self.system.expansion(&self.y);
+        let expansion = black_box(&expansion);
+        self.h = black_box(expansion.reach(relative)).min(self.longest);
+        let tried = black_box(self.planned());
+        let Stride { end, rise } = black_box(expansion.stride(tried));
+        let (t, length) = (self.t, self.length);
+        let received = tried * self.system.rates(t + tried, &end).power[0];
+        self.energy[0] +=
+            tried.where_positive(end[0] - self.y[0] - (rise - received) * (1.0 / ORDER as f64), Lanes::ZERO);
+        watch.see(&Tried { from: t, length: tried, begin: self.y, end, view: View::NONE, accepted: tried });
+        self.y = choose(tried, &end, &self.y);
+        let last = tried - (length - t) * NEARLY;
+        self.t = tried.where_positive(last.where_positive(length, t + tried), t);
+        self.rest_or_go();
+    }
+
+    /// Counts an attempt, and finds out which lanes have further to go, and may.
+    #[inline(always)]
+    fn rest_or_go(&mut self) {
+        self.attempts = self.attempts + 1.0;
+        let enough = self.h - self.length * SMALLEST_SHARE;
+        self.going = (self.length - self.t).min(enough).min(-self.attempts + MAX_ATTEMPTS);
+    }
+
+    /// Marks lanes that have come to rest.
+    #[inline(always)]
+    fn halt(&mut self) {
+        let mut resting = 0;
+        for lane in 0..WIDTH {
+            // Not a number counts as at rest.
+            let going = self.going[lane] > 0.0;
+            resting |= u32::from(!going) << lane;
+        }
+        self.ended = resting & !self.idle;
+    }
+}

@@ -1,0 +1,92 @@
+//! The first step of each problem: its length h, at which the error, growing with the eighth power, should meet the tolerance,
+//!
+//! h = F L (tolerance |y|/(ε |dy/dt| L))^(1/8),  L = |dy/dt|/|d²y/dt²|
+//!
+//! and no more than L, by the rates at the start and a short way ahead. L is the time scale of the solution, ε the error estimate of
+//! a step as long as that, F a share for safety.
+
+use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::step::{LaneSystem, Moment, PROBE, TINY, probe, size};
+use crate::lanes::math::inverse_eighth_root;
+use crate::lanes::{Lanes, WIDTH};
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// Share of the length that the estimate gives, for the first step: its time scale is a guess.
+const FIRST: f64 = 0.6;
+/// Estimated error of a step of the time scale's length L, relative to the distance |dy/dt| L: what the pair's
+/// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
+const ERROR_AT_SCALE: f64 = 6.6e-7;
+
+/// Finds out the first rates and step length of all problems.
+#[inline(always)]
+pub fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
+    system: &S,
+    problems: &mut [Problem<N>],
+    relative: f64,
+) {
+    let mut system = system.clone();
+    let count = problems.len();
+    for base in (0..count).step_by(WIDTH) {
+        let (mut y, mut absolute, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
+        for lane in 0..WIDTH {
+            let index = (base + lane).min(count - 1);
+            let problem = &problems[index];
+            system.load(lane, index);
+            length[lane] = problem.length;
+            for i in 0..N {
+                y[i][lane] = problem.state[i];
+                absolute[i][lane] = problem.absolute[i];
+            }
+        }
+        let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
+        let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
+        // There, and a short way ahead: by one copy of the rates.
+        for evaluation in 0..black_box(2) {
+            let moment = system.rates(time, &ahead);
+            if evaluation > 0 {
+                there = moment.slope;
+                break;
+            }
+            time = probe(length, y, absolute, &moment.slope, relative);
+            for i in 0..N {
+                ahead[i] += moment.slope[i] * time;
+            }
+            begin = moment;
+        }
+        let first = first_step(length, y, absolute, [&begin.slope, &there], time, relative);
+        for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
+            problem.begin(lane, &begin, first);
+        }
+    }
+}
+
+/// Length of the step from `y`, s, by the rates there and a time `probe` ahead.
+#[inline(always)]
+pub fn first_step<const N: usize>(
+    length: Lanes,
+    y: &[Lanes; N],
+    absolute: &[Lanes; N],
+    [slope, there]: [&[Lanes; N]; 2],
+    probe: Lanes,
+    relative: f64,
+) -> Lanes {
+    // A state that starts from rest has no time scale of its own yet and takes that of the others.
+    let mut common = length;
+    for i in 0..N {
+        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
+        common = (rate - bend).where_positive(common.min(rate * probe / (bend + TINY)), common);
+    }
+    let mut first = length;
+    for i in 0..N {
+        let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
+        let moves = rate - bend;
+        let scale = moves.where_positive(rate * probe / (bend + TINY), common);
+        let rate = moves.where_positive(rate, bend * scale / probe);
+        let size = size(y[i], absolute[i], relative) * (relative / ERROR_AT_SCALE);
+        let share = inverse_eighth_root(rate * scale / size + 1e-30);
+        first = first.min(scale * (share * FIRST).min(Lanes::ONE));
+    }
+    // Something, should the rates vanish or not be numbers: the step's own error decides.
+    first.where_positive(first, length * PROBE)
+}

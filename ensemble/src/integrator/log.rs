@@ -1,0 +1,44 @@
+//! What is kept of the steps through holds, to look into some of them later: as little as that takes, as a chunk's steps are to
+//! stay in a core's cache.
+
+use crate::integrator::advance::{Tried, Watch};
+use crate::lanes::Lanes;
+
+/// An attempted step of all lanes.
+#[derive(Clone, Copy)]
+pub struct Attempted<const N: usize> {
+    /// Time at which the step begins, s from the stretch's start.
+    pub from: Lanes,
+    /// Length of the step, s.
+    pub length: Lanes,
+    /// States at its start and its end.
+    pub states: [[Lanes; N]; 2],
+    /// Positive where the step was accepted.
+    pub accepted: Lanes,
+}
+
+impl<const N: usize> Attempted<N> {
+    /// Puts its length and the states at its ends, of one lane of its own, into a lane.
+    #[inline(always)]
+    pub fn put(&self, column: usize, lane: usize, length: &mut Lanes, ends: &mut [[Lanes; N]; 2]) {
+        length[lane] = self.length[column];
+        for side in 0..2 {
+            for i in 0..N {
+                ends[side][i][lane] = self.states[side][i][column];
+            }
+        }
+    }
+}
+
+/// Keeps every step.
+impl<const N: usize> Watch<N> for Vec<Attempted<N>> {
+    #[inline(always)]
+    fn see(&mut self, tried: &Tried<N>) {
+        let &Tried { from, length, begin, end, accepted, .. } = tried;
+        self.push(Attempted { from, length, states: [begin, end], accepted });
+    }
+    #[inline(always)]
+    fn kept(&self) -> usize {
+        self.len()
+    }
+}

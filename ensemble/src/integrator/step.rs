@@ -1,0 +1,379 @@
+//! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
+
+use crate::integrator::expansion::Expansion;
+use crate::integrator::tableau::{A, C, E3, E5, STAGES};
+use crate::lanes::{Lanes, multiply_add};
+use chamber::real::Real;
+use core::hint::black_box;
+use core::ops::Range;
+
+/// What is seen of a system at one moment: pressure, Pa, temperature, K, and their rates in the integrator's time.
+#[derive(Clone, Copy, Debug)]
+pub struct View<R> {
+    /// Pressure, Pa, and temperature, K.
+    pub value: [R; 2],
+    /// Rates of pressure and temperature, in the integrator's time.
+    pub slope: [R; 2],
+}
+
+impl<R: Real> View<R> {
+    /// Gas that flows in, less what flows out, over the gas there, M = P V/(R T) in a volume that stays: in the integrator's time.
+    #[inline(always)]
+    pub fn inflow(&self) -> R {
+        self.slope[0] / self.value[0] - self.slope[1] / self.value[1]
+    }
+
+    /// Rate of the pressure over the pressure, in the integrator's time.
+    #[inline(always)]
+    pub fn pressure_rate(&self) -> R {
+        self.slope[0] / self.value[0]
+    }
+}
+
+impl View<Lanes> {
+    /// Zero throughout: a lane without a system.
+    pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
+
+    /// Pressure, Pa, and its slope.
+    #[inline(always)]
+    pub fn pressure(&self) -> [Lanes; 2] {
+        [self.value[0], self.slope[0]]
+    }
+}
+
+/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`, of
+/// which the reciprocal is known.
+#[inline(always)]
+pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], [since, per_since]: [Lanes; 2]) -> [Lanes; 2] {
+    let x = ahead * per_since;
+    let (way, from, to) = (at[0] - before[0], before[1] * since, at[1] * since);
+    let (bend, twist) = (to * 2.0 + from - way * 3.0, from + to - way * 2.0);
+    [at[0] + ((twist * x + bend) * x + to) * x, ((twist * x * 3.0 + bend * 2.0) * x + to) * per_since]
+}
+
+/// A system at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<const N: usize> {
+    /// dy/dt, per unit of the integrator's time.
+    pub slope: [Lanes; N],
+    /// Pressure and temperature there.
+    pub view: View<Lanes>,
+    /// Power that reaches the gas as heat and enthalpy, and power with which it works on the piston. No state is linear in
+    /// the energy, so that the step's integrals of these know nothing of its own error.
+    pub power: [Lanes; 2],
+}
+
+impl<const N: usize> Moment<N> {
+    /// Of a system that stands and shows nothing.
+    pub const NONE: Self = Self { slope: [Lanes::ZERO; N], view: View::NONE, power: [Lanes::ZERO; 2] };
+}
+
+/// Ordinary differential equations of N states, independent systems side by side.
+pub trait LaneSystem<const N: usize> {
+    /// Whether the rates are so cheap that each stage deserves code of its own.
+    const CHEAP: bool;
+    /// Whether to compile it for machines without wide instructions, too.
+    const ANYWHERE: bool = false;
+    /// Whether steps are taken by [`LaneSystem::expansion`], in the place of the pair.
+    const BY_SERIES: bool = false;
+
+    /// The system at time `t`, s.
+    fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;
+
+    /// The Taylor series of the states from `y` on.
+    #[inline(always)]
+    fn expansion(&self, _: &[Lanes; N]) -> Expansion<N> {
+        unreachable!("a system whose steps are taken by the pair")
+    }
+
+    /// Puts states right that follow from others, at the end of a step over which they have gone a little astray.
+    #[inline(always)]
+    fn restore(&self, _: &mut [Lanes; N]) {}
+
+    /// Number of states, from the first on, that move in any lane: the others stay where they begin.
+    #[inline(always)]
+    fn moving(&self) -> usize {
+        N
+    }
+
+    /// Number of states that count in the mean of the error, by lane: those that a row really has.
+    #[inline(always)]
+    fn counted(&self) -> Lanes {
+        Lanes::from(N as f64)
+    }
+
+    /// Whether the rates can have kinks.
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
+    /// w'/w of w = V^(1/4) at a moment: how fast the chamber widens.
+    #[inline(always)]
+    fn widening(&self, _: Lanes) -> Lanes {
+        Lanes::ZERO
+    }
+
+    /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
+    /// slope, and by how fast the chamber widens at its start; 1 where there is none. Steps are made to end there: across a kink
+    /// their error estimates are blind.
+    #[inline(always)]
+    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
+        Lanes::ONE
+    }
+}
+
+/// Least e5²/e3³ of a step whose e5 can be believed, e5 and e3 relative to the states: a twentieth of what
+/// dy/dt = −y/L gives.
+const CHANCE: f64 = 2.5e-4;
+
+/// Share of a state, and of the stretch, over which the first step's length is felt out.
+pub const PROBE: f64 = 0.01;
+/// Added to what is divided by (a choice between quotients would become branches).
+pub const TINY: f64 = 1e-300;
+
+/// Σ weight_j slope_j over the listed stages j, the latest last.
+macro_rules! weighted {
+    ($fused:ident, $slopes:expr, $i:expr, $weights:expr; 0 $($j:tt)*) => {{
+        let sum = $slopes[0][$i] * $weights[0];
+        $(let sum = multiply_add::<$fused>($slopes[$j][$i], Lanes::from($weights[$j]), sum);)*
+        sum
+    }};
+}
+
+/// One stage of a step (system, time, length, states), from the listed earlier ones: the states it is taken at.
+macro_rules! stage_of {
+    ($fused:ident, ($system:ident, $t:ident, $h:ident, $y:ident), ($slopes:ident, $powers:ident), $s:literal; $($j:tt)*) => {{
+        let mut at = *$y;
+        for i in 0..N {
+            at[i] = multiply_add::<$fused>(weighted!($fused, $slopes, i, A[$s]; $($j)*), $h, $y[i]);
+        }
+        if $s == STAGES - 1 {
+            $system.restore(&mut at);
+        }
+        let moment = $system.rates(multiply_add::<$fused>($h, Lanes::from(C[$s]), $t), &at);
+        ($slopes[$s], $powers[$s]) = (moment.slope, moment.power);
+        (at, moment)
+    }};
+}
+
+/// Applies a macro to the stages from 1 on, each with those beside the first whose weights in it are not zero; the last is the end of
+/// the step.
+macro_rules! each_stage {
+    ($apply:ident) => {
+        $apply! {
+            1: ; 2: 1; 3: 2; 4: 2 3; 5: 3 4; 6: 3 4 5; 7: 3 4 5 6; 8: 3 4 5 6 7; 9: 3 4 5 6 7 8; 10: 3 4 5 6 7 8 9;
+            11: 3 4 5 6 7 8 9 10;
+            => 12: 5 6 7 8 9 10 11
+        }
+    };
+}
+
+/// What an attempted step has found.
+pub struct Attempt<const N: usize> {
+    /// States at its end.
+    pub end: [Lanes; N],
+    /// Rates and view at the end of the step.
+    pub moment: Moment<N>,
+    /// Energy received as heat and enthalpy, and work, over the step: integrals of [`Moment::power`].
+    pub energy: [Lanes; 2],
+    /// Error over tolerance, squared: at most 1 where the step is good. NaN where the equations could not be evaluated.
+    pub error_squared: Lanes,
+}
+
+/// Slopes and powers at the stages of a step.
+#[derive(Clone, Copy)]
+pub struct Stages<const N: usize> {
+    /// dy/dt, by stage.
+    pub slopes: [[Lanes; N]; STAGES],
+    powers: [[Lanes; 2]; STAGES],
+}
+
+impl<const N: usize> Stages<N> {
+    /// Of no step yet.
+    pub const NONE: Self = Self { slopes: [[Lanes::ZERO; N]; STAGES], powers: [[Lanes::ZERO; 2]; STAGES] };
+
+    /// Begins a step at that moment.
+    #[inline(always)]
+    pub fn begin(&mut self, at: &Moment<N>) {
+        (self.slopes[0], self.powers[0]) = (at.slope, at.power);
+    }
+}
+
+/// Stages 1 to 12, each in code of its own without the weights that are zero; the states at the end.
+#[inline(always)]
+fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    stages: &mut Stages<N>,
+) -> ([Lanes; N], Moment<N>) {
+    let Stages { slopes: mut k, powers: mut p } = *stages;
+    macro_rules! stages {
+        ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {{
+            $(stage_of!(FUSED, (system, t, h, y), (k, p), $s; 0 $($j)*);)*
+            stage_of!(FUSED, (system, t, h, y), (k, p), $end; 0 $($i)*)
+        }};
+    }
+    let end = each_stage!(stages);
+    *stages = Stages { slopes: k, powers: p };
+    end
+}
+
+/// The size, at least, that a state counts by.
+#[inline(always)]
+pub fn size(y: Lanes, absolute: Lanes, relative: f64) -> Lanes {
+    y.abs() + absolute * (1.0 / relative)
+}
+
+/// Over how long a time, s, to feel out how the rates change.
+#[inline(always)]
+pub fn probe<const N: usize>(
+    length: Lanes,
+    y: &[Lanes; N],
+    absolute: &[Lanes; N],
+    slope: &[Lanes; N],
+    relative: f64,
+) -> Lanes {
+    let mut probe = length * PROBE;
+    for i in 0..N {
+        probe = probe.min(size(y[i], absolute[i], relative) * PROBE / (slope[i].abs() + TINY));
+    }
+    probe
+}
+
+/// Stages to be evaluated in turn to feel out the first step from some states: there, and a short way ahead.
+pub const FEELING: Range<usize> = STAGES..STAGES + 2;
+
+/// Evaluates stages in turn, by one copy of the rates: the states at the last one, the system there, and the length it was
+/// reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these become stage 0,
+/// those ahead stage 1, and the system is that at the start.
+#[inline(always)]
+pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    [t, mut h]: [Lanes; 2],
+    y: &[Lanes; N],
+    Stages { slopes: k, powers }: &mut Stages<N>,
+    stages: Range<usize>,
+    (length, absolute, relative): (Lanes, &[Lanes; N], f64),
+) -> ([Lanes; N], Moment<N>, Lanes) {
+    let (mut at, mut last) = (*y, Moment::NONE);
+    for stage in stages {
+        macro_rules! reach {
+            ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {
+                match stage {
+                    $($s => from_those!($s; $($j)*),)*
+                    $end => from_those!($end; $($i)*),
+                    // One that only feels out.
+                    _ => from_those!(stage;),
+                }
+            };
+        }
+        macro_rules! from_those {
+            ($s:expr; $($j:literal)*) => {
+                for i in 0..system.moving() {
+                    // Else the compiler puts states side by side, not lanes.
+                    let k = black_box(&*k);
+                    at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; 0 $($j)*), h, y[i]);
+                }
+            };
+        }
+        each_stage!(reach);
+        let moment = system.rates(multiply_add::<FUSED>(h, Lanes::from(C[stage]), t), &at);
+        if stage == STAGES - 1 || stage == FEELING.start {
+            last = moment;
+        }
+        match stage.checked_sub(FEELING.start) {
+            None => (k[stage], powers[stage]) = (moment.slope, moment.power),
+            Some(place) => {
+                k[place] = moment.slope;
+                if place == 0 {
+                    h = probe(length, y, absolute, &moment.slope, relative);
+                }
+            }
+        }
+    }
+    (at, last, h)
+}
+
+/// Tries a step of `h` from `y`, where the system is `begin`, of a system whose rates are cheap.
+#[inline(always)]
+pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    t: Lanes,
+    h: Lanes,
+    y: &[Lanes; N],
+    begin: &Moment<N>,
+    tolerance: (f64, &[Lanes; N]),
+) -> Attempt<N> {
+    let mut stages = Stages::NONE;
+    stages.begin(begin);
+    let end = stages_unrolled::<N, FUSED, S>(system, t, h, y, &mut stages);
+    judge::<N, FUSED, S>(system, h, y, end, &stages, tolerance)
+}
+
+/// The attempt that has led from `y` to an end, by its stages.
+#[inline(always)]
+pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
+    system: &S,
+    h: Lanes,
+    y: &[Lanes; N],
+    (end, moment): ([Lanes; N], Moment<N>),
+    Stages { slopes: k, powers }: &Stages<N>,
+    tolerance: (f64, &[Lanes; N]),
+) -> Attempt<N> {
+    let (mut fifth, mut third) = (Lanes::ZERO, Lanes::ZERO);
+    for i in 0..system.moving() {
+        let scale = y[i].abs().max(end[i].abs()) * tolerance.0 + tolerance.1[i];
+        let per_scale = h / scale;
+        let e5 = weighted!(FUSED, k, i, E5; 0 5 6 7 8 9 10 11) * per_scale;
+        let e3 = weighted!(FUSED, k, i, E3; 0 5 6 7 8 9 10 11) * per_scale;
+        fifth = multiply_add::<FUSED>(e5, e5, fifth);
+        third = multiply_add::<FUSED>(e3, e3, third);
+    }
+    // e5 grows as e3^1.5; where it is far below that, it is about to change sign and says nothing about the step.
+    let usual = third * third.sqrt() * (tolerance.0 * CHANCE);
+    let fifth = fifth.max(usual);
+    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
+    let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * system.counted());
+    let mut energy = [Lanes::ZERO; 2];
+    for part in 0..2 {
+        energy[part] = weighted!(FUSED, powers, part, A[12]; 0 5 6 7 8 9 10 11) * h;
+    }
+    Attempt { end, moment, energy, error_squared }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_stage_has_all_weights_that_are_not_zero() {
+        macro_rules! listed {
+            ($($s:literal: $($j:literal)*;)* => $end:literal: $($i:literal)*) => {
+                [$(($s, vec![0 $(, $j)*]),)* ($end, vec![0 $(, $i)*])]
+            };
+        }
+        let listed: [(usize, Vec<usize>); STAGES - 1] = each_stage!(listed);
+        for (stage, earlier) in listed {
+            let weights = A[stage].iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+            assert_eq!(earlier, weights.map(|(j, _)| j).collect::<Vec<_>>(), "{stage}");
+        }
+    }
+
+    #[test]
+    fn what_moves_along_a_cubic_is_extrapolated_as_it_goes_on() {
+        let cubic = |t: f64| 3.0 - 2.0 * t + 0.5 * t * t - 0.25 * t * t * t;
+        let slope = |t: f64| -2.0 + t - 0.75 * t * t;
+        let at = |t: f64| [cubic(t), slope(t)].map(Lanes::from);
+        for (from, to, ahead) in [(0.0, 0.5, 0.4), (-1.0, 1.0, 3.0)] {
+            let since = [to - from, 1.0 / (to - from)].map(Lanes::from);
+            let found = extrapolated(Lanes::from(ahead), at(to), at(from), since);
+            let expected = at(to + ahead);
+            for i in 0..2 {
+                assert!((found[i][3] - expected[i][3]).abs() < 1e-12, "{found:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Several numbers side by side, in a form that the compiler turns into SIMD instructions of whatever width the
+//! enclosing function may use (AVX-512, AVX2, NEON, SSE2).
+
+pub(crate) mod math;
+mod real;
+
+use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+
+/// How many numbers stand side by side in [`Lanes`].
+pub const WIDTH: usize = 16;
+
+/// [`WIDTH`] numbers that go through the same operations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(pub [f64; WIDTH]);
+
+/// Evaluates an expression for each lane, written out: a loop in each operation would become thousands of loops in a function
+/// of the kernel, which the compiler takes minutes to unroll. No closure either: what closures compile to is not inlined into a
+/// function with more instructions than the crate's, and would stay scalar there.
+macro_rules! each_lane {
+    ($i:ident => $value:expr) => {
+        each_lane!($i => $value; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+    };
+    ($i:ident => $value:expr; $($lane:literal),*) => {
+        Lanes([$({
+            let $i: usize = $lane;
+            $value
+        }),*])
+    };
+}
+pub(crate) use each_lane;
+
+/// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
+#[inline(always)]
+pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    if FUSED { each_lane!(i => a.0[i].mul_add(b.0[i], c.0[i])) } else { a * b + c }
+}
+
+impl Lanes {
+    /// One number per lane, made from the lane's index.
+    #[inline(always)]
+    pub fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
+        let mut out = Self([0.0; WIDTH]);
+        let mut lane = 0;
+        while lane < WIDTH {
+            out[lane] = f(lane);
+            lane += 1;
+        }
+        out
+    }
+}
+
+impl From<f64> for Lanes {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+}
+
+impl Index<usize> for Lanes {
+    type Output = f64;
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &f64 {
+        &self.0[lane]
+    }
+}
+impl IndexMut<usize> for Lanes {
+    #[inline(always)]
+    fn index_mut(&mut self, lane: usize) -> &mut f64 {
+        &mut self.0[lane]
+    }
+}
+
+macro_rules! lanewise {
+    ($($op:ident $method:ident $symbol:tt),*) => {$(
+        impl $op for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: Self) -> Self {
+                each_lane!(i => self.0[i] $symbol o.0[i])
+            }
+        }
+    )*};
+}
+lanewise![Add add +, Sub sub -, Mul mul *, Div div /];
+
+macro_rules! lanes_with_number {
+    ($($op:ident $method:ident $symbol:tt),*) => {$(
+        impl $op<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: f64) -> Self {
+                each_lane!(i => self.0[i] $symbol o)
+            }
+        }
+    )*};
+}
+lanes_with_number![Add add +, Sub sub -, Mul mul *];
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        each_lane!(i => -self.0[i])
+    }
+}
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}

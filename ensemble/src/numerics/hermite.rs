@@ -1,0 +1,77 @@
+//! The polynomial of degree 7 over a step of length 1 that has given Taylor coefficients, up to the third power, at both
+//! ends: Hermite's, by divided differences (E. Isaacson and H. B. Keller, Analysis of Numerical Methods, 1966, 6.3).
+
+use crate::lanes::Lanes;
+use crate::numerics::root::Curve;
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// The polynomial in Newton's form, with 0 and 1 four times each as its places.
+#[derive(Clone, Copy, Debug)]
+pub struct Hermite<R>([R; 8]);
+
+impl<R: Real> Hermite<R> {
+    /// From the coefficients at the start, and at the end, both in powers of the distance from there.
+    #[inline(always)]
+    pub fn new([a0, a1, a2, a3]: [R; 4], [b0, b1, b2, b3]: [R; 4]) -> Self {
+        let rise = b0 - a0;
+        // Divided differences of order two to seven: of as many zeros as possible first.
+        // They pass through memory: else the compiler computes lanes one by one.
+        let [c, d] = black_box([rise - a1, b1 - rise]);
+        let [c, d, e] = black_box([c - a2, d - c, b2 - d]);
+        let [c, d, e, f] = black_box([c - a3, d - c, e - d, b3 - e]);
+        let fourth = c;
+        let [c, d, e] = black_box([d - c, e - d, f - e]);
+        let fifth = c;
+        let [c, d] = black_box([d - c, e - d]);
+        Self([a0, a1, a2, a3, fourth, fifth, c, d - c])
+    }
+
+    /// Its value at a place from 0 to 1.
+    #[inline(always)]
+    pub fn at(&self, x: R) -> R {
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.0;
+        let y = x - 1.0;
+        c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + y * (c5 + y * (c6 + y * c7))))))
+    }
+
+    /// Its slope there.
+    #[inline(always)]
+    pub fn slope(&self, x: R) -> R {
+        let [_, c1, c2, c3, c4, c5, c6, c7] = self.0;
+        let y = x - 1.0;
+        let (mut value, mut slope) = (c7, R::ZERO);
+        for (factor, coefficient) in [(y, c6), (y, c5), (y, c4), (x, c3), (x, c2), (x, c1)] {
+            slope = slope * factor + value;
+            value = value * factor + coefficient;
+        }
+        slope * x + value
+    }
+}
+
+impl Curve for Hermite<Lanes> {
+    #[inline(always)]
+    fn at(&self, place: Lanes) -> Lanes {
+        Hermite::at(self, place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_polynomial_of_degree_seven_is_found_from_its_ends(c in prop::array::uniform8(-1.0..1.0f64), x in 0.0..1.0f64) {
+            let value = |x: f64| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
+            let binomial = |n: usize, k: usize| (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product::<f64>();
+            let end = [0, 1, 2, 3].map(|k| (k..8).map(|n| c[n] * binomial(n, k)).sum());
+            let found = Hermite::new([c[0], c[1], c[2], c[3]], end);
+            let ours = found.at(x);
+            prop_assert!((ours - value(x)).abs() < 1e-12, "{ours} {}", value(x));
+            let slope = (1..8).rev().fold(0.0, |sum, n| sum * x + n as f64 * c[n]);
+            prop_assert!((found.slope(x) - slope).abs() < 1e-11, "{} {slope}", found.slope(x));
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The hold in front of a wall that remembers ([`wall_conduction`](chamber::effects::wall_conduction)): no gas enters or
+//! leaves and the piston rests, so that of the gas the temperature is the only state, and the wall's surface is a sum of modes,
+//!
+//! T' = −a d,  x' = c d − μ x,  d = b T (T − Tw − Σ x),  a = A/(p m cv),  b = p λ/T
+//!
+//! where p is one over the wall's effusivity and d p times the heat flux into it. An explicit integrator has to follow the
+//! fastest mode. Here d is over a step of length h the polynomial through its values at the nodes of Radau's rule ([`rule`]).
+//! From it T follows by integration and each mode by the integral of d weighted with e^(−μ (t − s)), both exactly
+//! ([`response`]); the values at the nodes solve their equations ([`step`]).
+//!
+//! Modes have the same μ in all rows, so that all rows can take steps of the same lengths ([`lengths`]), with a response worked
+//! out once. A row is solved again with finer steps where the error of any of them counts. Where the finest do not do, the
+//! integrator takes over. Temperatures in K, times in s.
+
+mod dense;
+mod lengths;
+mod push;
+mod response;
+pub mod rows;
+mod rule;
+mod step;
+
+use crate::Batch;
+use crate::closed::kept;
+use crate::filter::Sensor;
+use crate::general::chambers::Chambers;
+use crate::general::equations::Row;
+use crate::general::history::History;
+use crate::instructions::Wide;
+use crate::integrator::problem::{self, Problem};
+use crate::integrator::step::View;
+use crate::lanes::{Lanes, WIDTH};
+use crate::numerics::elimination::Factors;
+use crate::scenario::Options;
+use chamber::balance::Balances;
+use chamber::effects::wall_conduction::MODES;
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+use core::hint::black_box;
+use lengths::{Growth, LEVELS, OF_ENDS};
+use pulp::{Simd, WithSimd};
+use response::Response;
+use rule::NODES;
+use step::GasAndWall;
+
+/// The effect that tests have which [`rows`] solves.
+pub use push::EFFECT;
+
+/// The effects on the gas that a row may have: a wall that remembers, and those that keep λ/T, area and wall what they are.
+pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
+
+/// The relative tolerance that steps are taken with: a looser one than this would save little.
+fn relative(options: &Options) -> f64 {
+    options.relative_tolerance.min(1e-8)
+}
+
+/// What is kept from one batch to the next.
+pub struct Memory {
+    chambers: Chambers,
+    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    last: Box<Response<Lanes>>,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self { chambers: Chambers::default(), last: Box::new(Response::NONE) }
+    }
+}
+
+/// The coarsest steps for a row: the record of a sensor that lags is read from polynomials between their ends.
+pub fn coarsest(sensor: &Sensor) -> usize {
+    usize::from(sensor.lag > 0.0)
+}
+
+/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on. Among their states 1/√U has the
+/// first of the two places, and the modes follow from the second on. Answers which it has solved; the others are left as they
+/// are.
+pub fn hold<const N: usize>(
+    batch: Batch,
+    memory: &mut Memory,
+    set: EffectSet,
+    [energy, first_mode]: [usize; 2],
+    (rows, levels): (&[Row], &[usize]),
+    problems: &mut [Problem<N>],
+    history: &mut History,
+) -> Vec<bool> {
+    let Batch { arch, options, .. } = batch;
+    let set = set.intersection(EFFECTS);
+    let mut solved = vec![false; problems.len()];
+    for level in 0..LEVELS {
+        let now: Vec<usize> = (0..rows.len()).filter(|index| levels[*index] <= level && !solved[*index]).collect();
+        for group in now.chunks(WIDTH) {
+            let at = |lane: usize| group[lane.min(group.len() - 1)];
+            let row = |lane: usize| &rows[at(lane)];
+            let problem = |lane: usize| &problems[at(lane)];
+            let Memory { chambers, last } = memory;
+            let balance = chambers.gather(arch, set, |lane| &row(lane).balance.chamber);
+            let parts = OF_ENDS.parted_all(level, |lane| problem(lane).length);
+            let left = Lanes::from_fn(|lane| parts[lane].1);
+            last.reach(left, arch);
+            let from = history.len() as u32;
+            let held = arch.dispatch(Wide(SolveHolds {
+                set,
+                balance,
+                mass: Lanes::from_fn(|lane| row(lane).mass),
+                energy: Lanes::from_fn(|lane| problem(lane).state[energy].powi(-2)),
+                modes: core::array::from_fn(|mode| Lanes::from_fn(|lane| problem(lane).state[first_mode + mode])),
+                volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).stretch.position)),
+                ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
+                ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
+                steps: HoldSteps {
+                    growth: OF_ENDS,
+                    level,
+                    counts: Lanes::from_fn(|lane| parts[lane].0 as f64),
+                    last,
+                    relative: relative(options),
+                },
+                history,
+            }));
+            for (lane, &index) in group.iter().enumerate() {
+                if held.good[lane] > 0.0 {
+                    let problem = &mut problems[index];
+                    problem.steps = problem::Steps { from, to: history.len() as u32, lane: lane as u32 };
+                    problem.view = View {
+                        value: held.begin.value.map(|value| value[lane]),
+                        slope: held.begin.slope.map(|slope| slope[lane]),
+                    };
+                    problem.energy = [held.heat[lane], 0.0];
+                    problem.state[energy] = 1.0 / held.energy[lane].sqrt();
+                    for mode in 0..MODES {
+                        problem.state[first_mode + mode] = held.modes[mode][lane];
+                    }
+                    solved[index] = true;
+                }
+            }
+        }
+    }
+    solved
+}
+
+/// Sees the steps through holds.
+trait Keep {
+    /// A step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
+    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall);
+}
+
+/// Steps through holds, one a lane.
+#[derive(Clone, Copy)]
+struct HoldSteps<'a> {
+    growth: Growth,
+    level: usize,
+    /// How many steps each takes before its last.
+    counts: Lanes,
+    /// The response over its last.
+    last: &'a Response<Lanes>,
+    relative: f64,
+}
+
+/// Takes the gas to the ends of the holds; positive where all steps were good.
+#[inline(always)]
+fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> Lanes {
+    let HoldSteps { growth, level, counts, last, relative } = steps;
+    let gas = black_box(gas);
+    let mut factors = black_box(Factors::NONE);
+    let (mut time, mut taken, mut good) = (Lanes::ZERO, 0, Lanes::ONE);
+    loop {
+        let goes_on = counts - taken as f64;
+        if !goes_on.any_positive() {
+            break;
+        }
+        let (response, begin) = (Response::of(growth.number(level, taken)), gas.temperature);
+        let step = black_box(&mut *gas).step::<f64>(response, relative, &mut factors);
+        let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
+        good = goes.where_positive(good.min(step.good), good);
+        time = goes.where_positive(time + response.length, time);
+        gas.take(goes, response.length.into(), &step);
+        kept.keep(time, goes, begin, gas);
+        taken += 1;
+    }
+    let begin = gas.temperature;
+    let step = black_box(&mut *gas).step::<Lanes>(black_box(last), relative, &mut factors);
+    gas.take(Lanes::ONE, last.length, &step);
+    kept.keep(time + last.length, Lanes::ONE, begin, gas);
+    good.min(step.good)
+}
+
+/// Keeps what is seen at their ends.
+struct KeepViews<'a> {
+    history: &'a mut History,
+    /// P/T, Pa/K.
+    per_temperature: Lanes,
+}
+
+impl Keep for KeepViews<'_> {
+    #[inline(always)]
+    fn keep(&mut self, end: Lanes, goes: Lanes, _: Lanes, gas: &GasAndWall) {
+        self.history.push(end, goes, &gas.view(self.per_temperature, gas.drives[NODES - 1]));
+    }
+}
+
+/// As many holds as there are lanes.
+struct SolveHolds<'a> {
+    set: EffectSet,
+    balance: &'a Balances<Lanes>,
+    mass: Lanes,
+    energy: Lanes,
+    modes: [Lanes; MODES],
+    volume: Lanes,
+    ambient_temperature: Lanes,
+    ambient_pressure: Lanes,
+    steps: HoldSteps<'a>,
+    history: &'a mut History,
+}
+
+/// How they end.
+struct HoldEnds {
+    /// Positive where they are solved.
+    good: Lanes,
+    /// What is seen at the start.
+    begin: View<Lanes>,
+    energy: Lanes,
+    modes: [Lanes; MODES],
+    /// Heat into the gas, J.
+    heat: Lanes,
+}
+
+impl WithSimd for SolveHolds<'_> {
+    type Output = HoldEnds;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> HoldEnds {
+        let Self { balance, mass, modes, volume, steps, history, .. } = self;
+        let capacity = mass * balance.cv;
+        let temperature = self.energy / capacity;
+        let surroundings = [self.ambient_temperature, self.ambient_pressure];
+        let mut gas = GasAndWall::new(self.set, balance, [mass, volume, temperature], surroundings, modes);
+        let per_temperature = mass * balance.chamber.gas.gas_constant / volume;
+        let begin = gas.view(per_temperature, gas.drives[0]);
+        let good = through(&mut gas, steps, &mut KeepViews { history, per_temperature });
+        let energy = gas.temperature * capacity;
+        let heat = (gas.temperature - temperature) * capacity;
+        black_box(HoldEnds { good, begin, energy, modes: gas.modes, heat })
+    }
+}

@@ -1,0 +1,125 @@
+//! The push in front of a wall that remembers and nothing else, in lanes: beside the temperature of the gas, as in
+//! [`crate::own::sealed`], the modes of the wall are states, over their weights k. With the same clock, and the names of [`super`],
+//!
+//! T'/T = q − 4 (γ − 1) w'/w,  q = c p (a1 w⁴ + a0) w (Ts − T),  Ts = Tw + Σ k y,  y' = f p w T (T − Ts) − μ p w³ y
+//!
+//! f is c m cv over the wall's effusivity, so that in the hold b is f/√V. The state of the gas is z = 1/√T, nearly even in the
+//! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
+
+use crate::integrator::advance::LONGEST_OF_MOVE;
+use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::{Lanes, multiply_add};
+use crate::own::sealed;
+use crate::own::test::OwnTest;
+use crate::scenario::Scenario;
+use crate::sets;
+use chamber::effects::EffectSet;
+use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// The effect on the gas, of those that there are, that such tests have.
+pub const EFFECT: EffectSet = sets::only(NAME);
+const NAME: &str = "wall_conduction";
+
+/// States: z, then the modes over their weights.
+pub const N: usize = 1 + MODES;
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct Test {
+    /// The gas and its clock, with the wall's temperature where it does not warm.
+    pub gas: sealed::Test,
+    /// f.
+    feed: f64,
+    /// a and b of the hold.
+    pub held: [f64; 2],
+}
+
+impl Test {
+    /// From a checked scenario.
+    pub fn new(s: &Scenario) -> Self {
+        let gas = <sealed::Test as OwnTest<1>>::new(s);
+        let [lateral, _] = s.chamber.geometry.area_constants();
+        let coefficient = gas.closed.exchange[0] / lateral;
+        let inverse_effusivity = s.chamber.effects.of(const { sets::place(NAME) })[0];
+        let closed = &gas.closed;
+        let feed = inverse_effusivity * coefficient * closed.mass_gas_constant / closed.expansion;
+        let cooling = (closed.exchange[0] * gas.held_volume + closed.exchange[1]) / feed;
+        Self { gas, feed, held: [cooling, gas.rate / (closed.ambient_temperature * cooling)] }
+    }
+
+    /// The push, to be integrated to a relative tolerance. The modes start from rest.
+    pub fn push(&self, s: &Scenario, relative: f64) -> Problem<N> {
+        let (mut state, mut absolute) = ([0.0; N], [0.0; N]);
+        state[0] = 1.0 / s.initial_temperature_k.sqrt();
+        for mode in 0..MODES {
+            // The wall's surface to the same as the gas.
+            absolute[1 + mode] = relative * s.initial_temperature_k / KERNEL[mode].weight;
+        }
+        let mut push = Problem::new(s.push_time_s, state, absolute);
+        push.longest = LONGEST_OF_MOVE * push.length;
+        push.first = push.longest;
+        push
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [Test],
+    /// With the wall's temperature where it does not warm.
+    gas: sealed::Moving<'static>,
+    /// f p.
+    feed: Lanes,
+}
+
+impl<'a> Moving<'a> {
+    /// For tests that are loaded as they come.
+    pub fn new(tests: &'a [Test]) -> Self {
+        Self { tests, gas: sealed::Moving::NONE, feed: Lanes::ZERO }
+    }
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let Test { gas, feed, .. } = &self.tests[index];
+        self.gas.load_test(lane, gas);
+        self.feed[lane] = feed * gas.clock.pace_factor;
+    }
+}
+
+impl LaneSystem<N> for Moving<'_> {
+    const CHEAP: bool = false;
+
+    #[inline(always)]
+    fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {
+        let root = self.gas.clock.root(s);
+        let square = root * root;
+        let per_both = (root * y[0]).recip();
+        let (per_root, root_temperature) = (per_both * y[0], per_both * root);
+        let temperature = root_temperature * root_temperature;
+        // In two sums, as each waits for the one before.
+        let mut surface = [self.gas.wall, Lanes::ZERO];
+        macro_rules! warm {
+            ($($mode:literal)*) => {
+                $(let weight = Lanes::from(KERNEL[$mode].weight);
+                surface[$mode % 2] = multiply_add::<true>(y[1 + $mode], weight, surface[$mode % 2]);)*
+            };
+        }
+        warm!(0 1 2 3 4 5 6 7 8);
+        let colder = surface[0] + surface[1] - temperature;
+        let (heat, work) = (self.gas.exchange_at([root, square]) * colder, self.gas.expansion_rate * per_root);
+        let drive = -(self.feed * root * temperature * colder);
+        let fading = -(self.gas.clock.pace_factor * (square * root));
+        let mut slope = [y[0] * 0.5 * (work - heat); N];
+        for mode in 0..MODES {
+            // Else the compiler puts modes side by side, not lanes.
+            let Mode { rate, .. } = *black_box(&KERNEL[mode]);
+            slope[1 + mode] = multiply_add::<true>(fading * rate, y[1 + mode], drive);
+        }
+        Moment { slope, view: View::NONE, power: [temperature * heat, temperature * work] }
+    }
+}

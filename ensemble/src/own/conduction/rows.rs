@@ -1,0 +1,176 @@
+//! Tests whose wall remembers and that have no other effect, as they come: pushes by their own equations ([`super::push`]), holds as in
+//! [`super`], and what is asked of them from the steps' polynomials ([`dense`]). Those whose hold may turn round, or that the
+//! steps do not do, are left to the way that looks for all places where a record turns.
+
+use super::dense::{self, Passed, Settle};
+use super::lengths::{LEVELS, OF_NODES};
+use super::push::{Moving, N, Test};
+use super::response::Response;
+use super::step::GasAndWall;
+use super::{HoldSteps, relative, through};
+use crate::Batch;
+use crate::ending::Ending;
+use crate::general::relaxing_rows::AfterPush;
+use crate::instructions::Wide;
+use crate::integrator::advance::{Nobody, advance};
+use crate::integrator::problem::Problem;
+use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::Outcome;
+use crate::own::Way;
+use crate::regression::Records;
+use crate::ways::Timed;
+use chamber::effects::wall_conduction::{KERNEL, MODES};
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// What is kept from one batch to the next.
+pub struct Memory {
+    tests: Vec<Test>,
+    problems: Vec<Problem<N>>,
+    /// Numbers of the tests whose holds are still to be solved.
+    open: Vec<usize>,
+    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    last: Box<Response<Lanes>>,
+    steps: Vec<Passed>,
+    records: Records,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            tests: Vec::new(),
+            problems: Vec::new(),
+            open: Vec::new(),
+            last: Box::new(Response::NONE),
+            steps: Vec::new(),
+            records: Records::default(),
+        }
+    }
+}
+
+/// T in a state.
+fn temperature(state: &[f64; N]) -> f64 {
+    1.0 / (state[0] * state[0])
+}
+
+/// Whether a hold from a state goes one way.
+fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
+    let (temperature, modes) = (temperature(state), &state[1..]);
+    let excess = modes.iter().zip(&KERNEL).fold(temperature - wall, |left, (mode, of)| left - mode * of.weight);
+    temperature < f64::INFINITY && excess.abs() > 0.0 && modes.iter().all(|mode| mode * excess >= 0.0)
+}
+
+impl Way for Memory {
+    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+        run(batch, self, rows, left, out);
+    }
+}
+
+/// Runs tests whose numbers are checked. Those are left that could not be solved in this way.
+fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let relative = relative(options);
+    let Memory { tests, problems, open, .. } = memory;
+    tests.clear();
+    problems.clear();
+    for &(row, _) in rows {
+        let s = &scenarios[row as usize];
+        let test = Test::new(s);
+        problems.push(test.push(s, relative));
+        tests.push(test);
+    }
+    advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
+    open.clear();
+    for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
+        if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
+            open.push(index);
+        } else {
+            left.push(*row);
+        }
+    }
+    for level in 0..LEVELS {
+        for group in std::mem::take(&mut memory.open).chunks(WIDTH) {
+            hold(batch, memory, level, rows, group, out);
+        }
+    }
+    left.extend(memory.open.drain(..).map(|index| rows[index].0));
+}
+
+/// Ends tests, as many as there are lanes, from their pushes on, with steps of a level; where these do not do they stay open.
+fn hold(
+    Batch { arch, scenarios, options }: Batch,
+    memory: &mut Memory,
+    level: usize,
+    rows: &[Timed],
+    group: &[usize],
+    out: &mut [Outcome],
+) {
+    let Memory { tests, problems, open, last, steps, records, .. } = memory;
+    let at = |lane: usize| group[lane.min(group.len() - 1)];
+    let test = |lane: usize| &tests[at(lane)];
+    let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
+    let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
+    let length = Lanes::from_fn(|lane| parts[lane].1);
+    last.reach(length, arch);
+    let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
+    let wall = Lanes::from_fn(|lane| test(lane).gas.closed.ambient_temperature);
+    let [cooling, feed] = [0, 1].map(|of| Lanes::from_fn(|lane| test(lane).held[of]));
+    let modes: [Lanes; MODES] =
+        core::array::from_fn(|mode| Lanes::from_fn(|lane| problems[at(lane)].state[1 + mode] * KERNEL[mode].weight));
+    let counts = Lanes::from_fn(|lane| parts[lane].0 as f64);
+    steps.clear();
+    let [end, reached] = arch.dispatch(Wide(FollowHolds {
+        gas: GasAndWall::of([cooling, feed], wall, pushed, modes),
+        steps: HoldSteps { growth: OF_NODES, level, counts, last, relative: relative(options) },
+        kept: steps,
+    }));
+    let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
+    let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
+    let found = options.fit.then(|| {
+        let rate = Lanes::from_fn(|lane| test(lane).gas.rate);
+        let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / pushed[lane]);
+        let push = Lanes::from_fn(|lane| scenario(lane).push_time_s);
+        let relaxation = [rate, excess];
+        let guess = arch.dispatch(Wide(dense::Record { steps, push, per_temperature, relaxation, records }));
+        records.fit(arch, guess)
+    });
+    for (lane, &index) in group.iter().enumerate() {
+        let is_solved = reached[lane] > 0.0 && good[lane] > 0.0;
+        if !is_solved {
+            open.push(index);
+            continue;
+        }
+        let (row, scenario) = (rows[index], scenario(lane));
+        let after = AfterPush::of(row, &tests[index].gas, scenario, pushed[lane], problems[index].energy);
+        out[after.row as usize] = after.outcome(&Ending {
+            scenario,
+            duration: after.duration,
+            wall: wall[lane],
+            pushed: pushed[lane],
+            end: end[lane],
+            pressure_per_temperature: per_temperature[lane],
+            settling: settling[lane],
+            flowing: 0.0,
+            relative_rate: None,
+            regression: found.as_ref().and_then(|found| found.lane(lane)),
+        });
+    }
+}
+
+/// Holds, one a lane: temperatures at their ends, K, and whether they are good.
+struct FollowHolds<'a> {
+    gas: GasAndWall,
+    steps: HoldSteps<'a>,
+    kept: &'a mut Vec<Passed>,
+}
+
+impl WithSimd for FollowHolds<'_> {
+    type Output = [Lanes; 2];
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
+        let Self { mut gas, steps, kept } = self;
+        let good = through(&mut gas, steps, kept);
+        black_box([gas.temperature, good])
+    }
+}

@@ -1,0 +1,306 @@
+//! The hold under λ ∝ √(P T) |T − Tw|^n, 0 < n, by a series. With v = (T − Tw)/(T + Tw) and L = ln(v0/v), the relaxations so far,
+//!
+//! r t = ∫₀^L e^(nL) (1 − v)^n/(1 + v) dL,  r = c Aq/√V Tw |v0 Tw/10 K|^n
+//!
+//! The quotient is a power series Σ h_j v^j, the nearest places where it has none are v = ±1, where T vanishes or is infinite. With
+//! v = v0 ζ, ζ = e^(−L) and d_j = h_j v0^j/(n − j),
+//!
+//! r t = e^(nL) Σ d_j ζ^j − Σ d_j
+//!
+//! Over p = (e^(nL) − 1)/n that has the slope (1 − v)^n/(1 + v), which changes little: L at a time follows by Newton's method in p.
+//! For the samples of a record L over time is a polynomial between moments ([`crate::regression::followed`]).
+//! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
+//! ([`has_series`]). Temperatures in K, times in s since the push.
+
+use crate::lanes::Lanes;
+use crate::lanes::math::in_powers_fused;
+use crate::numerics::root::Curve;
+use crate::outcome::SETTLED;
+use crate::regression::followed::{self, Followed, HoldMoment};
+use crate::regression::relaxing;
+use crate::regression::{Guess, Records};
+use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::{Simd, WithSimd};
+
+/// Terms of the series, and the largest |v| for which they give temperatures with a relative error of less than 2e-12: the terms left
+/// out are of the order |v|^32.
+const TERMS: usize = 32;
+const FARTHEST: f64 = 0.43;
+/// How near n may be to a whole number.
+const NEAREST: f64 = 0.01;
+/// Rounds of Newton's method at most, and the relaxations that a step must be shorter than to be the last.
+const ROUNDS: usize = 12;
+const NEARLY: f64 = 5e-7;
+
+/// Whether the hold has this series, of that n and from that temperature on, K, in front of that wall.
+pub fn has_series(exponent: f64, temperature: f64, wall: f64) -> bool {
+    let v = ((temperature - wall) / (temperature + wall)).abs();
+    exponent > 0.0 && (exponent - exponent.round()).abs() > NEAREST && v > 0.0 && v < FARTHEST
+}
+
+/// Holds, one a lane.
+pub struct Holds {
+    /// n.
+    pub exponent: Lanes,
+    /// c Aq/√V Tw, 1/s.
+    pub rate: Lanes,
+    /// Temperature of the wall, K.
+    pub wall: Lanes,
+    /// Temperature at the start, K.
+    pub pushed: Lanes,
+    /// Lengths of push and hold, s.
+    pub push: Lanes,
+    pub hold: Lanes,
+}
+
+/// How they go on.
+pub struct Ends {
+    /// Temperature at the end, K.
+    pub end: Lanes,
+    /// From when on the temperature is within 1 % of its way from its end, s.
+    pub settling: Lanes,
+    relaxations: Lanes,
+    series: TimeOfRelaxations,
+}
+
+/// The time over relaxations, s: see [`Curve::at`].
+struct TimeOfRelaxations {
+    exponent: Lanes,
+    wall: Lanes,
+    /// v0.
+    first: Lanes,
+    /// One over r, s.
+    slowness: Lanes,
+    /// h_j v0^j, and d_j.
+    slopes: [Lanes; TERMS],
+    terms: [Lanes; TERMS],
+    /// Σ h_j v0^j, and Σ d_j.
+    first_slope: Lanes,
+    sum: Lanes,
+}
+
+impl TimeOfRelaxations {
+    #[inline(always)]
+    fn new(holds: &Holds) -> Self {
+        let Holds { exponent, rate, wall, pushed, .. } = *holds;
+        let first = (pushed - wall) / (pushed + wall);
+        let strength = first.abs() * wall * (2.0 / REFERENCE_DIFFERENCE_K);
+        let slowness = (rate * (exponent * strength.ln()).exp()).recip();
+        let [mut slopes, mut terms] = [[Lanes::ZERO; TERMS]; 2];
+        // Of (1 − v)^n, of the quotient, and the power of v0.
+        let (mut binomial, mut quotient, mut power) = (Lanes::ONE, Lanes::ZERO, Lanes::ONE);
+        for j in 0..TERMS {
+            if j > 0 {
+                binomial = binomial * ((Lanes::from((j - 1) as f64) - exponent) * (1.0 / j as f64));
+                power = power * first;
+            }
+            quotient = binomial - quotient;
+            slopes[j] = black_box(quotient * power);
+            terms[j] = black_box(slopes[j] / (exponent - j as f64));
+        }
+        let [first_slope, sum] = [in_powers_fused(&slopes, Lanes::ONE), in_powers_fused(&terms, Lanes::ONE)];
+        Self { exponent, wall, first, slowness, slopes, terms, first_slope, sum }
+    }
+
+    /// The temperature after so many relaxations.
+    #[inline(always)]
+    fn temperature(&self, relaxations: Lanes) -> Lanes {
+        let v = self.first * (-relaxations).exp();
+        self.wall * (Lanes::ONE + v) / (Lanes::ONE - v)
+    }
+
+    /// Relaxations until that temperature.
+    #[inline(always)]
+    fn relaxations(&self, temperature: Lanes) -> Lanes {
+        (self.first * (temperature + self.wall) / (temperature - self.wall)).ln()
+    }
+
+    /// Relaxations after a time.
+    #[inline(always)]
+    fn after(&self, time: Lanes) -> Lanes {
+        let (asked, per_exponent) = (time / self.slowness, self.exponent.recip());
+        // At first p goes by the first slope, at last by that of one, which is `ahead` of it: between the two by a hyperbola, and
+        // within what any slope between them gives.
+        let begun = asked / self.first_slope;
+        let (gained, ahead) = (begun - asked, self.sum - self.terms[0]);
+        let [fast, slow] = [begun.min(asked), begun.max(asked)];
+        let mut p = (asked + gained * ahead / (gained + ahead)).max(fast).min(slow);
+        let (mut relaxations, mut open) = (Lanes::ZERO, Lanes::ONE);
+        for _ in 0..black_box(ROUNDS) {
+            let grown = Lanes::ONE + self.exponent * p;
+            relaxations = open.where_positive(grown.ln() * per_exponent, relaxations);
+            let left = (-relaxations).exp();
+            // Read where they are: else the compiler first copies them all.
+            let [terms, slopes] = black_box([&self.terms, &self.slopes]);
+            let missing = asked + self.sum - grown * in_powers_fused(terms, left);
+            let step = missing / in_powers_fused(slopes, left);
+            relaxations += open.where_positive(step / grown, Lanes::ZERO);
+            open = (step.abs() - grown * NEARLY).where_positive(open, Lanes::ZERO);
+            p = open.where_positive((p + step).max(fast).min(slow), p);
+            if !open.any_positive() {
+                break;
+            }
+        }
+        relaxations
+    }
+
+    /// The time over relaxations and its first three derivatives: r t' = e^(nL) (1 − v)^n/(1 + v), and v' = −v.
+    #[inline(always)]
+    fn with_slopes(&self, relaxations: Lanes) -> [Lanes; 4] {
+        let n = self.exponent;
+        let (left, grown) = ((-relaxations).exp(), (n * relaxations).exp());
+        let [terms, slopes] = black_box([&self.terms, &self.slopes]);
+        let time = (grown * in_powers_fused(terms, left) - self.sum) * self.slowness;
+        let first = grown * in_powers_fused(slopes, left) * self.slowness;
+        // Of ln t'.
+        let v = self.first * left;
+        let [per_less, per_more] = [(Lanes::ONE - v).recip(), (Lanes::ONE + v).recip()];
+        let growth = n + v * (n * per_less + per_more);
+        let bend = -(v * (n * (per_less * per_less) + per_more * per_more));
+        [time, first, first * growth, first * (growth * growth + bend)]
+    }
+}
+
+impl Curve for TimeOfRelaxations {
+    #[inline(always)]
+    fn at(&self, relaxations: Lanes) -> Lanes {
+        let (left, grown) = ((-relaxations).exp(), (self.exponent * relaxations).exp());
+        (grown * in_powers_fused(&self.terms, left) - self.sum) * self.slowness
+    }
+}
+
+/// Follows holds to their ends.
+pub struct Solve<'a>(pub &'a Holds);
+
+impl WithSimd for Solve<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Ends {
+        let holds = black_box(self.0);
+        let series = black_box(TimeOfRelaxations::new(holds));
+        let relaxations = series.after(holds.hold);
+        let end = series.temperature(relaxations);
+        let settling = series.at(series.relaxations(end + (holds.pushed - end) * SETTLED));
+        Ends { end, settling, relaxations, series }
+    }
+}
+
+/// Lays out their records; the answer is a guess of τ.
+pub struct Record<'a> {
+    pub holds: &'a Holds,
+    pub ends: &'a Ends,
+    /// P/T, Pa/K.
+    pub per_temperature: Lanes,
+    /// Where the records go.
+    pub records: &'a mut Records,
+}
+
+impl WithSimd for Record<'_> {
+    type Output = Guess;
+
+    #[inline(always)]
+    fn with_simd<I: Simd>(self, _: I) -> Guess {
+        let Self { holds, ends, per_temperature, records } = self;
+        let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
+        relaxing::lay_out(&followed::Record(&Held { ends, hold, per_temperature }), push, push + hold, records);
+        Guess::Relaxation { rate: ends.series.slowness.recip(), excess: Lanes::ONE - wall / pushed, from: push }
+    }
+}
+
+/// Holds that were followed to their ends.
+struct Held<'a> {
+    ends: &'a Ends,
+    hold: Lanes,
+    per_temperature: Lanes,
+}
+
+impl Followed for Held<'_> {
+    #[inline(always)]
+    fn moment(&self, relaxations: f64) -> HoldMoment {
+        let Ends { series, relaxations: last, .. } = self.ends;
+        let goes_on = *last - relaxations;
+        let at = last.min(Lanes::from(relaxations));
+        let [time, slopes @ ..] = series.with_slopes(at);
+        HoldMoment::new(goes_on.where_positive(time, self.hold), at, slopes)
+    }
+
+    #[inline(always)]
+    fn pressure(&self, relaxations: Lanes) -> Lanes {
+        self.ends.series.temperature(relaxations) * self.per_temperature
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::regression::relaxing::Relaxing;
+    use chamber::exact::GAUSS_16;
+    use proptest::prelude::*;
+    use pulp::Scalar;
+
+    /// Time, s, from one temperature to another: dt = −dT/(c T (T − Tw) |(T − Tw)/20 K|^n) over ln |T − Tw|, by Gauss–Legendre
+    /// quadrature in parts.
+    fn between(exponent: f64, rate: f64, wall: f64, [from, to]: [f64; 2]) -> f64 {
+        let way = ((from - wall) / (to - wall)).ln();
+        let parts = (4.0 * way).ceil();
+        let nodes = |part: f64| {
+            let places = GAUSS_16.iter().flat_map(|(x, w)| [(0.5 - 0.5 * x, 0.5 * w), (0.5 + 0.5 * x, 0.5 * w)]);
+            places.map(move |(x, w)| ((part + x) / parts, w / parts)).collect::<Vec<_>>()
+        };
+        let slowness = |share: f64| {
+            let difference = (from - wall) * (-way * share).exp();
+            wall / (rate * (wall + difference) * (difference.abs() / REFERENCE_DIFFERENCE_K).powf(exponent))
+        };
+        (0..parts as usize).flat_map(|part| nodes(part as f64)).map(|(x, w)| w * way * slowness(x)).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn the_series_is_the_integral_of_the_heat_balance(
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.5f64, left in 1e-3..0.99f64,
+        ) {
+            let (from, to) = (wall * ratio, wall + wall * (ratio - 1.0) * left);
+            prop_assume!(has_series(exponent, from, wall));
+            let hold = between(exponent, rate, wall, [from, to]);
+            let [exponent, rate, wall, pushed, hold] = [exponent, rate, wall, from, hold].map(Lanes::from);
+            let holds = Holds { exponent, rate, wall, pushed, push: Lanes::ONE, hold };
+            let Ends { end, settling, .. } = Solve(&holds).with_simd(Scalar::new());
+            prop_assert!((end[3] / to - 1.0).abs() < 2e-12, "{} {to}", end[3]);
+            let edge = to + (from - to) * SETTLED;
+            let expected = between(exponent[3], rate[3], wall[3], [from, edge]);
+            // Temperatures are rounded: of a way of less than a kelvin that takes away digits.
+            let allowed = 1e-10 / (from - wall[3]).abs().min(1.0);
+            prop_assert!((settling[3] / expected - 1.0).abs() < allowed, "{} {expected}", settling[3]);
+        }
+
+        #[test]
+        fn the_record_from_part_to_part_is_the_series(
+            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.5f64, left in 1e-6..0.99f64,
+        ) {
+            let from = wall * ratio;
+            prop_assume!(has_series(exponent, from, wall));
+            let hold = between(exponent, rate, wall, [from, wall + (from - wall) * left]);
+            let [exponent, rate, wall, pushed, hold] = [exponent, rate, wall, from, hold].map(Lanes::from);
+            let holds = Holds { exponent, rate, wall, pushed, push: Lanes::ONE, hold };
+            let ends = Solve(&holds).with_simd(Scalar::new());
+            let held = Held { ends: &ends, hold, per_temperature: Lanes::ONE };
+            let record = followed::Record(&held);
+            let mut begin = record.knot(0.0);
+            for relaxations in relaxing::SLOWING_ENDS {
+                let end = record.knot(*relaxations);
+                let course = record.course([&begin, &end]);
+                for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
+                    let [from, to] = [&begin, &end].map(|knot| followed::Record::<Held>::time(knot)[3]);
+                    let time = Lanes::from(from + (to - from) * share);
+                    let (found, expected) = (course.at(time)[3], ends.series.temperature(ends.series.after(time))[3]);
+                    let allowed = 1e-7 * (from - to).abs().min(1.0).max((pushed[3] - wall[3]).abs());
+                    prop_assert!((found - expected).abs() < allowed, "{relaxations} {share}: {found} {expected}");
+                }
+                begin = end;
+            }
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Tests whose heat transfer follows a power of the temperature difference, in lanes: natural convection alone, the port
+//! closed. The equation of [`crate::own::sealed`] has one more factor, u = |(T − Tw)/20 K|^n, which is a state beside T: so the rates take
+//! no power. While the piston moves,
+//!
+//! dT/ds = T (q u − 4 (γ − 1) w'/w),  du/ds = n u/(T − Tw) dT/ds,  q = c p (a1 w⁴ + a0) w (Tw − T)
+//!
+//! from near T = Tw, where that has no power series, after a series of another kind ([`start`]) and by the bent clock.
+//! While it rests T − Tw falls out of the second equation:
+//!
+//! dT/dt = k u T (Tw − T),  du/dt = −n k T u²,  k = c Aq/√V
+//!
+//! The gas has to stay on one side of the wall's temperature ([`stays_on_a_side`]). T in K, k in 1/(K s), u a pure number.
+
+mod hold;
+pub mod rows;
+mod start;
+
+use crate::instructions::Wide;
+use crate::integrator::advance::LONGEST;
+use crate::integrator::clock::Clock;
+use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::math;
+use crate::lanes::{Lanes, WIDTH};
+use crate::own::sealed::{self, Test};
+use crate::own::test::{Holding, OwnTest};
+use crate::plan::starts_singular;
+use crate::regression::Guess;
+use crate::scenario::Scenario;
+use crate::sets;
+use chamber::effects::EffectSet;
+use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
+use chamber::real::Real;
+use core::hint::black_box;
+use pulp::Arch;
+use start::Pushes;
+
+/// The effect on the gas, of those that there are, that such tests have.
+pub const EFFECTS: EffectSet = sets::only(NAME);
+const NAME: &str = "natural_convection";
+
+/// How much more than the temperature the factor may err over a step, as a share of its value at first: the end of each step of the push
+/// puts it right, and in the hold it goes more evenly than the temperature, whose errors set the length of steps.
+const MAY_ERR: f64 = 100.0;
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct ConvectiveTest {
+    gas: Test,
+    /// n.
+    pub exponent: f64,
+    /// Whether it starts from the wall's temperature.
+    from_rest: bool,
+    /// What the clock shows where the integration begins, s, and heat received and work until then, over m cv, K.
+    begun: f64,
+    energy: [f64; 2],
+}
+
+/// n.
+fn exponent(scenario: &Scenario) -> f64 {
+    scenario.chamber.effects.of(const { sets::place(NAME) })[0]
+}
+
+/// Whether the heat flow has a rate of change everywhere: with n below zero the gas comes to the wall's temperature at once.
+pub fn is_smooth(scenario: &Scenario) -> bool {
+    exponent(scenario) > 0.0
+}
+
+/// Whether the gas stays on a side of the wall's temperature: so it does if it starts from there, or well beside it, and the push drives it
+/// away from there. Next to it rounding of the temperature is too much of their difference.
+pub fn stays_on_a_side(s: &Scenario) -> bool {
+    let above = s.initial_temperature_k - s.ambient_temperature_k;
+    let widening = s.final_position_m - s.initial_position_m;
+    if above == 0.0 { widening != 0.0 } else { above * widening < 0.0 && !starts_singular(EFFECTS, s) }
+}
+
+impl OwnTest<2> for ConvectiveTest {
+    const HAS_ANOTHER_WAY: bool = true;
+    const LONGEST: f64 = LONGEST;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let (mut gas, from_rest) = (Test::new(s), s.initial_temperature_k == s.ambient_temperature_k);
+        if from_rest {
+            gas.clock = gas.clock.bent(s.push_time_s);
+        }
+        Self { gas, exponent: exponent(s), from_rest, begun: 0.0, energy: [0.0; 2] }
+    }
+
+    #[inline]
+    fn start(&self, s: &Scenario) -> [f64; 2] {
+        let [root] = self.gas.start(s);
+        if self.from_rest {
+            return [root, 0.0];
+        }
+        let difference = (s.initial_temperature_k - s.ambient_temperature_k).abs();
+        [root, (difference * (1.0 / REFERENCE_DIFFERENCE_K)).powf(self.exponent)]
+    }
+
+    fn begin(arch: Arch, tests: &mut [Self], problems: &mut [Problem<2>], relative: f64) {
+        for (tests, problems) in tests.chunks_mut(WIDTH).zip(problems.chunks_mut(WIDTH)) {
+            let begun = arch.dispatch(Wide(&pushes(tests, problems)));
+            for (lane, (test, problem)) in tests.iter_mut().zip(problems).enumerate() {
+                if test.from_rest {
+                    test.begun = begun.clock[lane];
+                    test.energy = begun.energy.map(|energy| energy[lane]);
+                    problem.length -= test.begun;
+                    problem.state = begun.state.map(|state| state[lane]);
+                }
+                problem.absolute[1] = relative * MAY_ERR * problem.state[1];
+            }
+        }
+    }
+
+    #[inline]
+    fn energy_of_push(&self, integrated: [f64; 2]) -> [f64; 2] {
+        [integrated[0] + self.energy[0], integrated[1] + self.energy[1]]
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        &self.gas
+    }
+
+    #[inline]
+    fn goes_one_way(&self, _: &[f64; 2]) -> bool {
+        true
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        Moving { tests, gas: sealed::Moving::NONE, exponent: Lanes::ZERO, begun: Lanes::ZERO }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        Held { tests, gas: sealed::Held::NONE, exponent: Lanes::ZERO }
+    }
+}
+
+/// The pushes of up to as many tests as there are lanes.
+fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
+    let zero = Lanes::ZERO;
+    let mut all =
+        Pushes { clock: Clock::NONE, exponent: zero, expansion: zero, exchange: [zero; 2], wall: zero, length: zero };
+    for lane in 0..WIDTH {
+        let index = lane.min(tests.len() - 1);
+        let ConvectiveTest { gas: Test { closed, clock, .. }, exponent, .. } = &tests[index];
+        all.clock.load(lane, clock);
+        (all.exponent[lane], all.expansion[lane]) = (*exponent, closed.expansion);
+        (all.exchange[0][lane], all.exchange[1][lane]) = (closed.exchange[0], closed.exchange[1]);
+        (all.wall[lane], all.length[lane]) = (closed.ambient_temperature, problems[index].length);
+    }
+    all
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [ConvectiveTest],
+    gas: sealed::Moving<'static>,
+    exponent: Lanes,
+    /// What the clock shows at the start, s.
+    begun: Lanes,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.exponent[lane] = test.exponent;
+        self.begun[lane] = test.begun;
+    }
+}
+
+/// |d/20 K|^n of temperature differences, K. It passes through memory: else the compiler computes it lane by lane.
+#[inline(always)]
+fn power(difference: Lanes, exponent: Lanes) -> Lanes {
+    let difference = black_box(difference).abs().max(Lanes::from(SMALLEST_DIFFERENCE_K));
+    black_box(math::power(difference * (1.0 / REFERENCE_DIFFERENCE_K), exponent))
+}
+
+impl LaneSystem<2> for Moving<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn restore(&self, [state, factor]: &mut [Lanes; 2]) {
+        *factor = power(*state * *state - self.gas.wall, self.exponent);
+    }
+
+    #[inline(always)]
+    fn rates(&self, r: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let [s, rate] = self.gas.clock.unbent(self.begun + r);
+        let root = self.gas.clock.root(s);
+        let temperature = state * state;
+        let warmer = self.gas.wall - temperature;
+        // Heat over m cv T (Tw − T), and work over m cv T.
+        let exchange = self.gas.exchange_at([root, root * root]) * rate * factor;
+        let work = self.gas.expansion_rate * (rate / root);
+        let received = temperature * (exchange * warmer);
+        let done = temperature * work;
+        let slope = [
+            state * 0.5 * (exchange * warmer - work),
+            self.exponent * factor * (done / warmer - temperature * exchange),
+        ];
+        Moment { slope, view: View::NONE, power: [received, done] }
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a> {
+    tests: &'a [ConvectiveTest],
+    gas: sealed::Held<'static>,
+    exponent: Lanes,
+}
+
+impl Loadable for Held<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.exponent[lane] = test.exponent;
+    }
+}
+
+impl LaneSystem<2> for Held<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let (temperature, exchange) = (state * state, self.gas.exchange * factor);
+        let (warmer, risen) = (self.gas.wall - temperature, temperature * exchange);
+        let slope = [state * 0.5 * (exchange * warmer), -self.exponent * factor * risen];
+        Moment { slope, view: View::NONE, power: [risen * warmer, Lanes::ZERO] }
+    }
+}
+
+impl Holding<2> for Held<'_> {
+    #[inline(always)]
+    fn guess(&self, [state, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(state[0] * state[0], begin)
+    }
+
+    /// By the equations' recursion: each coefficient follows from those of lower powers.
+    #[inline(always)]
+    fn series(&self, &[state, factor]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let (zero, exchange) = (Lanes::ZERO, self.gas.exchange * length);
+        let (mut gas, mut factor) = ([state * state, zero, zero, zero], [factor, zero, zero]);
+        let mut warmer = [self.gas.wall - gas[0], zero, zero];
+        // Of T u.
+        let mut driven = [zero; 3];
+        for order in 0..3 {
+            if order > 0 {
+                warmer[order] = -gas[order];
+            }
+            let (mut heat, mut fall) = (zero, zero);
+            for part in 0..=order {
+                driven[order] += gas[part] * factor[order - part];
+            }
+            for part in 0..=order {
+                heat += driven[part] * warmer[order - part];
+                fall += driven[part] * factor[order - part];
+            }
+            let rate = exchange * (1.0 / (order + 1) as f64);
+            gas[order + 1] = rate * heat;
+            if order < 2 {
+                factor[order + 1] = -self.exponent * rate * fall;
+            }
+        }
+        gas
+    }
+}

@@ -1,0 +1,98 @@
+//! Tests with natural convection as they come: the push of [`super`], and a hold that is a series
+//! ([`hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
+
+use super::hold::{self, Holds, Record, Solve};
+use super::{ConvectiveTest, EFFECTS};
+use crate::Batch;
+use crate::ending::Ending;
+use crate::general::relaxing_rows::{self, AfterPush};
+use crate::instructions::Wide;
+use crate::integrator::problem::Problem;
+use crate::lanes::{Lanes, WIDTH};
+use crate::outcome::Outcome;
+use crate::own::Way;
+use crate::own::adaptive;
+use crate::own::test::OwnTest;
+use crate::regression::Records;
+use crate::ways::Timed;
+use chamber::AreaLaw;
+
+/// What is kept from one batch to the next.
+#[derive(Default)]
+pub struct Memory {
+    tests: Vec<ConvectiveTest>,
+    problems: Vec<Problem<2>>,
+    /// Those whose holds are series, with the numbers of their tests, and others.
+    in_series: Vec<(usize, AfterPush)>,
+    pushed: Vec<AfterPush>,
+    records: Records,
+    relaxing: relaxing_rows::Memory,
+}
+
+impl Way for Memory {
+    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+        let law = |row: &Timed| batch.scenarios[row.0 as usize].chamber.geometry.area_law;
+        rows.sort_by_key(|row| law(row) == AreaLaw::Swept);
+        for rows in rows.chunk_by(|a, b| law(a) == law(b)) {
+            run(batch, self, rows, left, out);
+        }
+    }
+}
+
+/// Runs tests of one area law. Those are left whose pushes could not be followed in this way.
+fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+    let Batch { arch, scenarios, options } = batch;
+    let Memory { tests, problems, in_series, pushed, records, relaxing } = memory;
+    adaptive::push(batch, rows, tests, problems);
+    pushed.clear();
+    in_series.clear();
+    for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
+        if problem.failure.is_some() {
+            left.push(row);
+            continue;
+        }
+        let (gas, temperature) = (test.gas(), problem.state[0] * problem.state[0]);
+        let energy = test.energy_of_push(problem.energy);
+        let after = AfterPush::of((row, duration), gas, &scenarios[row as usize], temperature, energy);
+        let wall = gas.closed.ambient_temperature;
+        if after.failure.is_none() && hold::has_series(test.exponent, temperature, wall) {
+            in_series.push((index, after));
+        } else {
+            pushed.push(after);
+        }
+    }
+    relaxing_rows::run(batch, relaxing, EFFECTS, pushed, out);
+    for group in in_series.chunks(WIDTH) {
+        let at = |lane: usize| &group[lane.min(group.len() - 1)];
+        let test = |lane: usize| &tests[at(lane).0];
+        let scenario = |lane: usize| &scenarios[at(lane).1.row as usize];
+        let per_temperature = Lanes::from_fn(|lane| test(lane).gas().pressure_per_temperature());
+        let holds = Holds {
+            exponent: Lanes::from_fn(|lane| test(lane).exponent),
+            rate: Lanes::from_fn(|lane| test(lane).gas().rate),
+            wall: Lanes::from_fn(|lane| test(lane).gas().closed.ambient_temperature),
+            pushed: Lanes::from_fn(|lane| problems[at(lane).0].state[0] * problems[at(lane).0].state[0]),
+            push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
+        };
+        let ends = arch.dispatch(Wide(Solve(&holds)));
+        let found = options.fit.then(|| {
+            let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
+            records.fit(arch, guess)
+        });
+        for (lane, (_, after)) in group.iter().enumerate() {
+            out[after.row as usize] = after.outcome(&Ending {
+                scenario: scenario(lane),
+                duration: after.duration,
+                wall: holds.wall[lane],
+                pushed: holds.pushed[lane],
+                end: ends.end[lane],
+                pressure_per_temperature: per_temperature[lane],
+                settling: ends.settling[lane],
+                flowing: 0.0,
+                relative_rate: None,
+                regression: found.as_ref().and_then(|found| found.lane(lane)),
+            });
+        }
+    }
+}

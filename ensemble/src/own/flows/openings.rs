@@ -1,0 +1,149 @@
+//! Laws of the flow through an opening, over the mass of the gas: an orifice of ISO 6358 ([`iso6358`]), and a long narrow gap
+//! (`laminar_leakage`). Pressures in Pa, temperatures in K, volumes in m³.
+
+use crate::lanes::Lanes;
+use crate::scenario::Scenario;
+use crate::sets;
+use chamber::effects::laminar_leakage::LaminarLeakage;
+use chamber::effects::{Effect, EffectSet, iso6358};
+use chamber::real::Real;
+
+/// What is on the other side of an opening, and how wide that is.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<R = f64> {
+    /// Pressure there, Pa. Of an opening that there is not, zero.
+    pub pressure: R,
+    /// What the flow is in proportion to: see the laws.
+    pub width: R,
+    /// Critical pressure ratio, where the law has one.
+    pub critical_ratio: R,
+}
+
+impl<R: Real> Passage<R> {
+    /// None.
+    pub const NONE: Self = Self { pressure: R::ZERO, width: R::ZERO, critical_ratio: R::ZERO };
+}
+
+/// The gas at one moment.
+pub struct GasInside<R> {
+    /// √T and T.
+    pub root: R,
+    pub temperature: R,
+    /// P V.
+    pub energy: R,
+    /// The pressure outside over that of the gas.
+    pub ratio: R,
+}
+
+/// A law of the flow through an opening towards an outside at the surroundings' temperature, over the mass of the gas, the width
+/// and V^−[`Law::POWER`]: two factors, of which the first is the later to be known.
+pub trait Law: Copy + Sync {
+    /// By which power of the volume its flow falls.
+    const POWER: i32;
+    /// That opening of a scenario.
+    fn passage(scenario: &Scenario) -> Passage;
+    /// The flow out of the gas.
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>) -> [R; 2];
+    /// The flow in, where 1/√T of the outside is `per_root_outside`.
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2];
+    /// The flow in where `inward` is positive, else the flow out.
+    #[inline(always)]
+    fn flow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, inward: R, per_root_outside: R) -> [R; 2] {
+        let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
+        [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
+    }
+    /// As [`Corners::corner`](crate::integrator::corner::Corners::corner); where the flow turns it has one at the pressure `turn`.
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
+    /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
+    /// the same parts of the law.
+    fn kind(_: &Passage, _: [f64; 3]) -> u8 {
+        0
+    }
+}
+
+/// An orifice of ISO 6358 towards the surroundings or the supply: o = C ρ0 √T0 R √T ψ/V, [`iso6358`].
+#[derive(Clone, Copy, Debug)]
+pub struct Orifice;
+/// The effects that are such, of which a test has one.
+pub const ORIFICES: [EffectSet; 2] = [LEAKAGE, sets::only("supply_leakage")];
+const LEAKAGE: EffectSet = sets::only("leakage");
+
+impl Law for Orifice {
+    const POWER: i32 = 1;
+
+    fn passage(s: &Scenario) -> Passage {
+        let effects = &s.chamber.effects;
+        let (leak, supply) =
+            (effects.of(const { sets::place("leakage") }), effects.of(const { sets::place("supply_leakage") }));
+        let (conductance, pressure, critical_ratio) =
+            if leak[0] != 0.0 { (leak[0], s.ambient_pressure_pa, leak[1]) } else { (supply[0], supply[1], supply[2]) };
+        let gas = &s.chamber.gas;
+        let width = iso6358::constant(conductance, critical_ratio, gas) * gas.gas_constant;
+        Passage { pressure, width, critical_ratio }
+    }
+
+    #[inline(always)]
+    fn outflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>) -> [R; 2] {
+        [iso6358::relative_outflow(gas.ratio, passage.critical_ratio), gas.root]
+    }
+
+    #[inline(always)]
+    fn inflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2] {
+        [iso6358::relative_inflow(gas.ratio, passage.critical_ratio), gas.temperature * per_root_outside]
+    }
+
+    #[inline(always)]
+    fn flow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, inward: R, per_root_outside: R) -> [R; 2] {
+        let scale = inward.where_positive(gas.temperature * per_root_outside, gas.root);
+        [iso6358::relative_flow(gas.ratio, passage.critical_ratio), scale]
+    }
+
+    #[inline(always)]
+    fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes {
+        iso6358::corner(passage.critical_ratio, passage.pressure, turn, from, to)
+    }
+
+    fn kind(passage: &Passage, pressures: [f64; 3]) -> u8 {
+        let &Passage { pressure: outside, critical_ratio, .. } = passage;
+        let regime = |pressure: f64| -> u8 {
+            let chokes = pressure.min(outside) < critical_ratio * pressure.max(outside);
+            2 * u8::from(pressure < outside) + u8::from((pressure < outside) != chokes)
+        };
+        let [before, after, pushed] = pressures.map(regime);
+        16 * pushed + 4 * after + before
+    }
+}
+
+/// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or none: constant flows only.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap;
+/// The effect that is such.
+pub const GAP: EffectSet = sets::only("laminar_leakage");
+
+impl Law for Gap {
+    const POWER: i32 = 2;
+
+    fn passage(s: &Scenario) -> Passage {
+        let conductance = s.chamber.effects.of(const { sets::place("laminar_leakage") })[0];
+        if conductance == 0.0 {
+            return Passage::NONE;
+        }
+        Passage { pressure: s.ambient_pressure_pa, width: 0.5 * conductance, critical_ratio: 0.0 }
+    }
+
+    #[inline(always)]
+    fn outflow<R: Real>(_: &Passage<R>, gas: &GasInside<R>) -> [R; 2] {
+        [R::ONE - gas.ratio * gas.ratio, gas.energy]
+    }
+
+    #[inline(always)]
+    fn inflow<R: Real>(_: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2] {
+        let warmth = gas.temperature * (per_root_outside * per_root_outside);
+        [gas.ratio * gas.ratio - 1.0, gas.energy * warmth]
+    }
+
+    #[inline(always)]
+    fn corner(passage: &Passage<Lanes>, _: Lanes, from: Lanes, to: Lanes) -> Lanes {
+        LaminarLeakage::corner(&[], passage.pressure, from, to)
+    }
+}

@@ -1,0 +1,271 @@
+//! The paper's model with the port closed and a heat flow beside that follows the pressure, in lanes: the missing term of
+//! [`empirical`](chamber::effects::empirical), read off a record, where it is one. With the clock of [`crate::own::sealed`],
+//!
+//! dT/ds = T (q − 4 (γ − 1) w'/w) + y(P) p w³/(m cv),  q = c p (a1 w⁴ + a0) w (Tw − T),  P = m R T/w⁴
+//! y(P) = y0 + Σ b max(P − P_k, 0)
+//!
+//! with corners at the P_k, up to which steps go ([`crate::integrator::corner`]). While the piston rests T' is a function of T alone, so that T
+//! goes one way, and between two corners that function is a quadratic one. The state is √T; y in W, T in K.
+
+use crate::integrator::corner::{self, Corners};
+use crate::integrator::problem::Loadable;
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::Lanes;
+use crate::numerics::hermite::Hermite;
+use crate::own::sealed::{self, Test};
+use crate::own::test::{Holding, OwnTest};
+use crate::regression::Guess;
+use crate::scenario::Scenario;
+use crate::sets;
+use chamber::effects::EffectSet;
+use chamber::effects::empirical::{Hinges, KNOTS};
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// The effect on the gas, of those that there are, that such tests have.
+pub const EFFECTS: EffectSet = sets::only(NAME);
+const NAME: &str = "empirical";
+
+/// y, where a scenario has such a term.
+fn heat_flow(scenario: &Scenario) -> Option<Hinges> {
+    Hinges::of(scenario.chamber.effects.of(const { sets::place(NAME) }))
+}
+
+/// Whether the missing term is a heat flow over the pressure.
+pub fn is_heated(scenario: &Scenario) -> bool {
+    heat_flow(scenario).is_some()
+}
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatedTest {
+    gas: Test,
+    heat_flow: Hinges,
+    /// 1/(m cv), K/J.
+    per_capacity: f64,
+}
+
+impl OwnTest<1> for HeatedTest {
+    const HAS_ANOTHER_WAY: bool = true;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let gas = Test::new(s);
+        let per_capacity = gas.closed.expansion / gas.closed.mass_gas_constant;
+        Self { gas, heat_flow: heat_flow(s).unwrap_or(Hinges::NONE), per_capacity }
+    }
+
+    #[inline]
+    fn start(&self, s: &Scenario) -> [f64; 1] {
+        self.gas.start(s)
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        &self.gas
+    }
+
+    #[inline]
+    fn goes_one_way(&self, &[root]: &[f64; 1]) -> bool {
+        root > 0.0 && root < f64::INFINITY
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        Moving { tests, gas: sealed::Moving::NONE, source: Source::NONE }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        Held { tests, gas: sealed::Held::NONE, source: Source::NONE }
+    }
+}
+
+/// The heat flow as it warms the gas.
+#[derive(Clone)]
+struct Source {
+    /// y/(m cv), K/s, times p while the piston moves.
+    warming: Hinges<Lanes>,
+    /// P/T over 1/V, J/K; while the piston rests P/T, Pa/K.
+    per_temperature: Lanes,
+}
+
+impl Source {
+    const NONE: Self = Self { warming: Hinges::NONE, per_temperature: Lanes::ZERO };
+
+    /// Puts that of a test into a lane, times `factor`.
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &HeatedTest, factor: f64, per_temperature: f64) {
+        let (to, from, factor) = (&mut self.warming, &test.heat_flow, test.per_capacity * factor);
+        to.first[lane] = from.first * factor;
+        for k in 0..KNOTS {
+            to.knots[k][lane] = from.knots[k];
+            to.bends[k][lane] = from.bends[k] * factor;
+        }
+        self.per_temperature[lane] = per_temperature;
+    }
+
+    /// By how much it warms the gas at a pressure, Pa.
+    #[inline(always)]
+    fn at(&self, pressure: Lanes) -> Lanes {
+        let Hinges { first, knots, bends } = &self.warming;
+        let mut sum = *first;
+        for k in 0..KNOTS {
+            sum += bends[k] * (pressure - knots[k]).max(Lanes::ZERO);
+        }
+        sum
+    }
+
+    /// The same around a pressure as a line over the temperature while the piston rests: its level and its steepness.
+    #[inline(always)]
+    fn line(&self, temperature: Lanes) -> [Lanes; 2] {
+        let Hinges { first, knots, bends } = &self.warming;
+        let pressure = temperature * self.per_temperature;
+        let (mut level, mut steepness) = (*first, Lanes::ZERO);
+        for k in 0..KNOTS {
+            let bend = (pressure - knots[k]).where_positive(bends[k], Lanes::ZERO);
+            level -= bend * knots[k];
+            steepness += bend;
+        }
+        [level, steepness * self.per_temperature]
+    }
+}
+
+impl Corners for Source {
+    #[inline(always)]
+    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.warming.corner(from, to)
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [HeatedTest],
+    gas: sealed::Moving<'static>,
+    source: Source,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.source.load(lane, test, test.gas.clock.pace_factor, test.gas.closed.mass_gas_constant);
+    }
+}
+
+impl LaneSystem<1> for Moving<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, s: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
+        let root = self.gas.clock.root(s);
+        let square = root * root;
+        // Two quotients by one division.
+        let per_both = (root * state).recip();
+        let (per_root, per_state) = (per_both * state, per_both * root);
+        let (temperature, per_square) = (state * state, per_root * per_root);
+        let pressure = self.source.per_temperature * temperature * (per_square * per_square);
+        let source = self.source.at(pressure) * (square * root) * (per_state * per_state);
+        let heat = self.gas.exchange_at([root, square]) * (self.gas.wall - temperature) + source;
+        let work = self.gas.expansion_rate * per_root;
+        // P goes as T/w⁴.
+        let rise = pressure * (heat - work - self.gas.clock.root_rate * per_root * 4.0);
+        let view = View { value: [pressure, temperature], slope: [rise, Lanes::ZERO] };
+        let power = [temperature * heat, temperature * work];
+        Moment { slope: [state * 0.5 * (heat - work)], view, power }
+    }
+
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn widening(&self, at: Lanes) -> Lanes {
+        self.gas.clock.widening(at)
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        corner::met(&self.source, h, ends, widening)
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a> {
+    tests: &'a [HeatedTest],
+    gas: sealed::Held<'static>,
+    source: Source,
+}
+
+impl Loadable for Held<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.source.load(lane, test, 1.0, test.gas.pressure_per_temperature());
+    }
+}
+
+impl Held<'_> {
+    /// Taylor coefficients of T in a state, where the heat flow is a line over T.
+    #[inline(always)]
+    fn series_along(&self, [level, steepness]: [Lanes; 2], state: Lanes, length: Lanes) -> [Lanes; 4] {
+        let (temperature, exchange) = (state * state, self.gas.exchange * length);
+        let linear = exchange * self.gas.wall + steepness * length;
+        let first = temperature * (linear - exchange * temperature) + level * length;
+        let bend = linear - exchange * temperature * 2.0;
+        let second = first * bend * 0.5;
+        let third = (second * bend - exchange * (first * first)) * (1.0 / 3.0);
+        [temperature, first, second, third]
+    }
+}
+
+impl LaneSystem<1> for Held<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
+        let temperature = state * state;
+        let pressure = self.source.per_temperature * temperature;
+        let warming = temperature * (self.gas.exchange * (self.gas.wall - temperature)) + self.source.at(pressure);
+        let slope = [self.source.per_temperature * warming, warming];
+        let view = View { value: [pressure, temperature], slope };
+        Moment { slope: [warming * 0.5 / state], view, power: [warming, Lanes::ZERO] }
+    }
+
+    #[inline(always)]
+    fn has_kinks(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+        corner::met(&self.source, h, ends, widening)
+    }
+}
+
+impl Holding<1> for Held<'_> {
+    #[inline(always)]
+    fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(state[0] * state[0], begin)
+    }
+
+    #[inline(always)]
+    fn series(&self, &[state]: &[Lanes; 1], length: Lanes) -> [Lanes; 4] {
+        self.series_along(self.source.line(state * state), state, length)
+    }
+
+    /// By the line that the heat flow is in the middle.
+    #[inline(always)]
+    fn within(&self, [begin, end]: [&[Lanes; 1]; 2], length: Lanes) -> Hermite<Lanes> {
+        let middle = (begin[0] + end[0]) * 0.5;
+        let line = black_box(self.source.line(middle * middle));
+        let before = black_box(self.series_along(line, begin[0], length));
+        let after = black_box(self.series_along(line, end[0], length));
+        black_box(Hermite::new(before, after))
+    }
+}

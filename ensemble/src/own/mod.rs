@@ -1,0 +1,110 @@
+//! Rows with equations of their own, fewer and shorter than those of any chamber: with one effect on the gas or none, and a record
+//! that shows the gas. Rows of each kind stand in a list beside what solves them ([`Own`]); those that it cannot solve after all are
+//! left to the integrator of any chamber.
+
+pub mod adaptive;
+pub mod conduction;
+pub mod convective;
+mod finish;
+mod flows;
+mod heated;
+pub mod sealed;
+mod stirred;
+pub mod test;
+mod turns;
+mod walled;
+
+use crate::Batch;
+use crate::general::Kind;
+use crate::outcome::Outcome;
+use crate::ways::{Features, Timed};
+use chamber::effects::EffectSet;
+use flows::{FlowTest, Gap, Orifice};
+
+/// A way of solving the rows of a list, with working memory that is kept from one chunk to the next.
+pub trait Way {
+    /// Solves rows whose numbers are checked. Some may be left, to be solved in another way.
+    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]);
+}
+
+/// A chunk's rows of one kind, and the way in which they are solved.
+#[derive(Default)]
+pub struct List<W: ?Sized> {
+    rows: Vec<Timed>,
+    left: Vec<u32>,
+    way: W,
+}
+
+impl<W: Way + ?Sized> List<W> {
+    /// Solves what is in the list. Answers which rows it has left.
+    pub fn solve(&mut self, batch: Batch, out: &mut [Outcome]) -> std::vec::Drain<'_, u32> {
+        let Self { rows, left, way } = self;
+        if !rows.is_empty() {
+            way.solve(batch, rows, left, out);
+            rows.clear();
+        }
+        left.drain(..)
+    }
+}
+
+/// The lists.
+#[derive(Default)]
+pub struct Own {
+    /// The paper's model, where the integrator is asked for.
+    sealed: List<adaptive::Memory<1, sealed::Test>>,
+    /// The same with a wall that warms.
+    walled: List<adaptive::Memory<2, walled::WalledTest>>,
+    /// The same with turbulence that decays.
+    stirred: List<adaptive::Memory<2, stirred::StirredTest>>,
+    /// The same with a heat flow over the pressure.
+    heated: List<adaptive::Memory<1, heated::HeatedTest>>,
+    /// The same with natural convection: holds as integrals or series, and where the integrator is asked for.
+    convective: List<convective::rows::Memory>,
+    integrated: List<adaptive::Memory<2, convective::ConvectiveTest>>,
+    /// Gas leaves or enters through an orifice, or through a gap or at constant rates.
+    orifices: List<adaptive::Memory<2, FlowTest<Orifice>>>,
+    gaps: List<adaptive::Memory<2, FlowTest<Gap>>>,
+    /// The wall remembers.
+    remembering: List<conduction::rows::Memory>,
+}
+
+impl Own {
+    /// The rows of the list for such a row, if there is one.
+    #[inline]
+    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<Timed>> {
+        let &Features { scenario: s, of_gas, is_sealed, integrates, is_wide, .. } = row;
+        if !is_wide || row.behind.is_some() {
+            return None;
+        }
+        Some(match of_gas {
+            EffectSet::NONE if is_sealed && integrates => &mut self.sealed.rows,
+            walled::EFFECTS if is_sealed && walled::has_wall(s) => &mut self.walled.rows,
+            stirred::EFFECTS if is_sealed && stirred::is_stirred(s) => &mut self.stirred.rows,
+            heated::EFFECTS if is_sealed && heated::is_heated(s) => &mut self.heated.rows,
+            conduction::EFFECT if is_sealed && !integrates => &mut self.remembering.rows,
+            convective::EFFECTS if !is_sealed || !convective::stays_on_a_side(s) => return None,
+            convective::EFFECTS if !integrates => &mut self.convective.rows,
+            convective::EFFECTS if convective::is_smooth(s) => &mut self.integrated.rows,
+            _ if s.profile.is_some() => return None,
+            of_gas if flows::ORIFICES.contains(&of_gas) => &mut self.orifices.rows,
+            flows::GAP => &mut self.gaps.rows,
+            EffectSet::NONE if !is_sealed => &mut self.gaps.rows,
+            _ => return None,
+        })
+    }
+
+    /// All lists, each with the kind of row that it leaves.
+    pub fn lists(&mut self) -> [(&mut List<dyn Way>, Kind); 9] {
+        [
+            (&mut self.sealed, Kind::Tight),
+            (&mut self.walled, Kind::Tight),
+            (&mut self.stirred, Kind::Tight),
+            (&mut self.heated, Kind::Open),
+            (&mut self.convective, Kind::Relaxing),
+            (&mut self.integrated, Kind::Tight),
+            (&mut self.orifices, Kind::Open),
+            (&mut self.gaps, Kind::Open),
+            (&mut self.remembering, Kind::Remembering),
+        ]
+    }
+}

@@ -1,0 +1,224 @@
+//! The paper's model with the port closed and without effects, in lanes: the mass is constant, so temperature is the
+//! only state, and equations (2), (3), (5) and (27) in it read
+//!
+//! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
+//!
+//! While the piston moves, the clock is that of [`crate::integrator::clock`]: w = V^(1/4) is linear in s, and
+//!
+//! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
+//!
+//! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
+//! constant. The state is √T: in it the integrals of heat and work over a step are others than that of the state. T in K, V
+//! in m³, energies over m cv.
+
+use crate::integrator::clock::Clock;
+use crate::integrator::problem::Loadable;
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::Lanes;
+use crate::own::test::{Holding, OwnTest};
+use crate::regression::Guess;
+use crate::scenario::Scenario;
+use chamber::exact::Closed;
+use chamber::real::Real;
+
+/// One test, reduced to the numbers its equation needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Test {
+    /// c a1, c a0, γ − 1, Tw and m R.
+    pub closed: Closed,
+    /// The clock of the push.
+    pub clock: Clock,
+    /// Volume of the hold, m³.
+    pub held_volume: f64,
+    /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
+    pub rate: f64,
+}
+
+impl OwnTest<1> for Test {
+    const HAS_ANOTHER_WAY: bool = false;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let geometry = &s.chamber.geometry;
+        let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
+        let (pressure, start) = (s.initial_pressure_pa, s.initial_temperature_k);
+        let closed = Closed::filled(&s.chamber, pressure, start, volume, s.ambient_temperature_k);
+        Self {
+            closed,
+            clock: Clock::new(volume, held_volume, s.push_time_s),
+            held_volume,
+            rate: closed.rate(held_volume),
+        }
+    }
+
+    #[inline]
+    fn start(&self, s: &Scenario) -> [f64; 1] {
+        [s.initial_temperature_k.sqrt()]
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        self
+    }
+
+    #[inline]
+    fn goes_one_way(&self, _: &[f64; 1]) -> bool {
+        true
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        Moving { tests, ..Moving::NONE }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        Held { tests, ..Held::NONE }
+    }
+}
+
+impl Test {
+    /// P/T in the hold, Pa/K.
+    #[inline]
+    pub fn pressure_per_temperature(&self) -> f64 {
+        self.closed.mass_gas_constant / self.held_volume
+    }
+
+    /// m cv, J/K.
+    #[inline]
+    pub fn capacity(&self) -> f64 {
+        self.closed.mass_gas_constant / self.closed.expansion
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [Test],
+    /// Their clocks.
+    pub clock: Clock<Lanes>,
+    /// c a1 p and c a0 p.
+    exchange: [Lanes; 2],
+    /// 4 (γ − 1) w'.
+    pub expansion_rate: Lanes,
+    /// Temperatures of their walls, K.
+    pub wall: Lanes,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        self.load_test(lane, &self.tests[index]);
+    }
+}
+
+impl Moving<'_> {
+    /// For tests that are loaded as they come.
+    pub const NONE: Moving<'static> = Moving {
+        tests: &[],
+        clock: Clock::NONE,
+        exchange: [Lanes::ZERO; 2],
+        expansion_rate: Lanes::ZERO,
+        wall: Lanes::ZERO,
+    };
+
+    /// Puts the constants of a test into a lane.
+    #[inline(always)]
+    pub fn load_test(&mut self, lane: usize, test: &Test) {
+        self.clock.load(lane, &test.clock);
+        self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
+        self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
+        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
+        self.wall[lane] = test.closed.ambient_temperature;
+    }
+
+    /// c p (a1 w⁴ + a0) w, at w and w².
+    #[inline(always)]
+    pub fn exchange_at(&self, [root, square]: [Lanes; 2]) -> Lanes {
+        (self.exchange[0] * (square * square) + self.exchange[1]) * root
+    }
+
+    /// Heat and work over m cv T, per unit of the clock, at w and w², where the wall is so much warmer than the gas.
+    #[inline(always)]
+    pub fn heat_and_work(&self, at: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
+        [self.exchange_at(at) * warmer, self.expansion_rate / at[0]]
+    }
+}
+
+impl LaneSystem<1> for Moving<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
+        let root = self.clock.root(t);
+        let square = root * root;
+        let temperature = y[0] * y[0];
+        let [heat, work] = self.heat_and_work([root, square], self.wall - temperature);
+        let slope = [y[0] * 0.5 * (heat - work)];
+        Moment { slope, view: View::NONE, power: [temperature * heat, temperature * work] }
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a> {
+    tests: &'a [Test],
+    /// c Aq/√V, 1/(K s).
+    pub exchange: Lanes,
+    /// Temperatures of their walls, K.
+    pub wall: Lanes,
+}
+
+impl Held<'_> {
+    /// For tests that are loaded as they come.
+    pub const NONE: Held<'static> = Held { tests: &[], exchange: Lanes::ZERO, wall: Lanes::ZERO };
+
+    /// Puts the constants of a test into a lane.
+    #[inline(always)]
+    pub fn load_test(&mut self, lane: usize, test: &Test) {
+        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
+        self.wall[lane] = test.closed.ambient_temperature;
+    }
+
+    /// A guess of the paper's exponential near to a hold that begins at a temperature, K, and a time of the test, s.
+    #[inline(always)]
+    pub fn guess_from(&self, peak: Lanes, from: Lanes) -> Guess {
+        Guess::Relaxation { rate: self.exchange * self.wall, excess: Lanes::ONE - self.wall / peak, from }
+    }
+}
+
+impl Holding<1> for Held<'_> {
+    #[inline(always)]
+    fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
+        self.guess_from(state[0] * state[0], begin)
+    }
+
+    #[inline(always)]
+    fn series(&self, state: &[Lanes; 1], length: Lanes) -> [Lanes; 4] {
+        let temperature = state[0] * state[0];
+        let exchange = self.exchange * length;
+        let first = temperature * (exchange * (self.wall - temperature));
+        let bend = exchange * (self.wall - temperature * 2.0);
+        let second = first * bend * 0.5;
+        let third = (second * bend - exchange * (first * first)) * (1.0 / 3.0);
+        [temperature, first, second, third]
+    }
+}
+
+impl Loadable for Held<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        self.load_test(lane, &self.tests[index]);
+    }
+}
+
+impl LaneSystem<1> for Held<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> Moment<1> {
+        let temperature = y[0] * y[0];
+        let heat = self.exchange * (self.wall - temperature);
+        Moment { slope: [y[0] * 0.5 * heat], view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
+    }
+}

@@ -1,0 +1,171 @@
+//! The paper's model with the port closed and turbulence that decays, in lanes: beside the temperature of the gas, as in
+//! [`crate::own::sealed`], the factor f = 1 + k u of the heat transfer coefficient is a state. With the same clock,
+//!
+//! dT/ds = T (f q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  df/ds = (1 + k |ẋ| − f) p w³/τ
+//!
+//! While the piston rests dT/dt = c Aq/√V f T (Tw − T) and df/dt = (1 − f)/τ, so that T goes one way: f is never below one. u in
+//! m/s, k in s/m, τ in s, T in K.
+
+use crate::integrator::problem::Loadable;
+use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::lanes::Lanes;
+use crate::own::sealed::{self, Test};
+use crate::own::test::{Holding, OwnTest};
+use crate::regression::Guess;
+use crate::scenario::Scenario;
+use crate::sets;
+use chamber::effects::{self, EffectSet};
+use chamber::real::Real;
+
+/// The effect on the gas, of those that there are, that such tests have.
+pub const EFFECTS: EffectSet = sets::only(NAME);
+const NAME: &str = "decaying_turbulence";
+
+/// k, s/m, and τ, s.
+fn turbulence(scenario: &Scenario) -> [f64; 2] {
+    let parameters = scenario.chamber.effects.of(const { sets::place(NAME) });
+    [parameters[0], parameters[1]]
+}
+
+/// Whether there is turbulence that raises the heat transfer and decays.
+pub fn is_stirred(scenario: &Scenario) -> bool {
+    turbulence(scenario).iter().all(|value| *value > 0.0)
+}
+
+/// One test.
+#[derive(Clone, Copy, Debug)]
+pub struct StirredTest {
+    gas: Test,
+    /// 1 + k |ẋ|, towards which f goes while the piston moves.
+    steady: f64,
+    /// 1/τ, 1/s.
+    decay: f64,
+}
+
+impl OwnTest<2> for StirredTest {
+    const HAS_ANOTHER_WAY: bool = false;
+    type Moving<'a> = Moving<'a>;
+    type Held<'a> = Held<'a>;
+
+    #[inline]
+    fn new(s: &Scenario) -> Self {
+        let [coefficient, decay_time] = turbulence(s);
+        let speed = (s.final_position_m - s.initial_position_m).abs() / s.push_time_s;
+        Self { gas: Test::new(s), steady: 1.0 + coefficient * speed, decay: 1.0 / decay_time }
+    }
+
+    #[inline]
+    fn start(&self, s: &Scenario) -> [f64; 2] {
+        [s.initial_temperature_k.sqrt(), 1.0]
+    }
+
+    #[inline]
+    fn gas(&self) -> &Test {
+        &self.gas
+    }
+
+    #[inline]
+    fn goes_one_way(&self, _: &[f64; 2]) -> bool {
+        true
+    }
+
+    fn moving(tests: &[Self]) -> Moving<'_> {
+        Moving { tests, gas: sealed::Moving::NONE, steady: Lanes::ZERO, decay: Lanes::ZERO }
+    }
+
+    fn held(tests: &[Self]) -> Held<'_> {
+        Held { tests, gas: sealed::Held::NONE, decay: Lanes::ZERO }
+    }
+}
+
+/// Tests, one a lane, while their pistons move.
+#[derive(Clone)]
+pub struct Moving<'a> {
+    tests: &'a [StirredTest],
+    gas: sealed::Moving<'static>,
+    steady: Lanes,
+    /// p/τ.
+    decay: Lanes,
+}
+
+impl Loadable for Moving<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.steady[lane] = test.steady;
+        self.decay[lane] = test.decay * test.gas.clock.pace_factor;
+    }
+}
+
+impl LaneSystem<2> for Moving<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, s: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let root = self.gas.clock.root(s);
+        let square = root * root;
+        let temperature = state * state;
+        let warmer = factor * (self.gas.wall - temperature);
+        let [heat, work] = self.gas.heat_and_work([root, square], warmer);
+        let stirring = self.decay * (square * root) * (self.steady - factor);
+        let power = [temperature * heat, temperature * work];
+        Moment { slope: [state * 0.5 * (heat - work), stirring], view: View::NONE, power }
+    }
+}
+
+/// Tests, one a lane, while their pistons rest.
+#[derive(Clone)]
+pub struct Held<'a> {
+    tests: &'a [StirredTest],
+    gas: sealed::Held<'static>,
+    /// 1/τ, 1/s.
+    decay: Lanes,
+}
+
+impl Loadable for Held<'_> {
+    #[inline(always)]
+    fn load(&mut self, lane: usize, index: usize) {
+        let test = &self.tests[index];
+        self.gas.load_test(lane, &test.gas);
+        self.decay[lane] = test.decay;
+    }
+}
+
+impl LaneSystem<2> for Held<'_> {
+    const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
+        let temperature = state * state;
+        let heat = self.gas.exchange * factor * (self.gas.wall - temperature);
+        let slope = [state * 0.5 * heat, self.decay * (Lanes::ONE - factor)];
+        Moment { slope, view: View::NONE, power: [temperature * heat, Lanes::ZERO] }
+    }
+}
+
+impl Holding<2> for Held<'_> {
+    #[inline(always)]
+    fn guess(&self, [states, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
+        self.gas.guess_from(states[0] * states[0], begin)
+    }
+
+    /// With g = c Aq/√V T (Tw − T) the products of the series of f and g.
+    #[inline(always)]
+    fn series(&self, &[state, factor]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
+        let (temperature, exchange) = (state * state, self.gas.exchange * length);
+        let decay = self.decay * length;
+        let fading = (Lanes::ONE - factor) * decay;
+        let fading_on = -(fading * decay) * 0.5;
+        let slope = exchange * (self.gas.wall - temperature * 2.0);
+        let still = temperature * (exchange * (self.gas.wall - temperature));
+        let first = factor * still;
+        let rising = slope * first;
+        let second = (fading * still + factor * rising) * 0.5;
+        let bending = slope * second - exchange * (first * first);
+        let third = (fading_on * still + fading * rising + factor * bending) * (1.0 / 3.0);
+        [temperature, first, second, third]
+    }
+}
+
+const _: () = assert!(effects::CARDS[sets::place(NAME)].parameters.len() == 2);

@@ -1,0 +1,64 @@
+//! The record of a hold that relaxes one way, from the end of the push to that of the test, laid out for the regression.
+
+use crate::lanes::{Lanes, each_lane};
+use crate::numerics::root::Curve;
+use crate::regression::Records;
+use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use chamber::real::Real;
+use core::hint::black_box;
+
+/// Ends of the parts in which the regression's sums are taken of a relaxation at a constant rate, in relaxations after the push:
+/// by each the distance from the equilibrium falls by a factor e. The last ends with the record.
+pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+
+/// The same of one that slows down: λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
+pub const SLOWING_ENDS: &[f64] =
+    &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];
+
+/// The pressure while the piston rests, one a lane.
+pub trait Relaxing {
+    /// Ends of the parts in which its record is laid out, in relaxations.
+    const ENDS: &'static [f64] = &ENDS;
+    /// Whether the code of a [`Relaxing::Course`] is so long that there should be one copy.
+    const IS_LONG: bool = false;
+    /// What is known of it at the end of a part.
+    type Knot: Copy;
+    /// Its pressure, Pa, in a part, over the time since the push, s.
+    type Course<'a>: Curve
+    where
+        Self: 'a;
+    /// What is known after so many relaxations, or at the end of a hold that has fewer.
+    fn knot(&self, relaxations: f64) -> Self::Knot;
+    /// The time since the push, s, then.
+    fn time(knot: &Self::Knot) -> Lanes;
+    /// Its pressure from one end to another.
+    fn course(&self, ends: [&Self::Knot; 2]) -> Self::Course<'_>;
+}
+
+/// Lays the records out, of tests with pushes and durations of so many s.
+#[inline(always)]
+pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records: &mut Records) {
+    let mut first = black_box(each_lane!(i => samples::from(push.0[i])));
+    let mut begin = black_box(relaxing.knot(0.0));
+    records.clear();
+    for end in black_box(R::ENDS) {
+        let end = black_box(relaxing.knot(*end));
+        let until = black_box((push + R::time(&end)).min(duration));
+        let next = black_box(each_lane!(i => samples::after(until.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
+        if !records.takes(count) {
+            begin = end;
+            continue;
+        }
+        let nodes = black_box(Samples { first, count }.nodes());
+        let course = relaxing.course([&begin, &end]);
+        let mut pressure = [Lanes::ZERO; POINTS];
+        for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
+            let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
+            pressure[k] = black_box(course.at(since));
+        }
+        records.push(first, &nodes, &pressure);
+        first = black_box(first.max(next));
+        begin = end;
+    }
+}
