@@ -90,7 +90,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
     let at_bound: Vec<bool> =
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
     let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
-    adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts_in_a_choice()));
+    adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts()));
     let normal = System::new(&linear, free + stated).reduced(0.0).map(|(mut matrix, asked)| {
         (free..free + stated).for_each(|k| matrix[(k, k)] += 1.0);
         (matrix, asked)
@@ -107,7 +107,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         blocks: linear.iter().map(|l| l.blocks).sum(),
         information,
         asked,
-        ambient_scatter: ambient_scatter(data, hypothesis, &own),
+        ambient_scatter: 0.0,
         rig,
         own,
         linear,
@@ -117,6 +117,8 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         converged,
     };
     fit.move_within_tolerances();
+    let own: Vec<Vec<f64>> = (0..fit.own.len()).map(|record| fit.own_moved(data, record)).collect();
+    fit.ambient_scatter = ambient_scatter(data, hypothesis, &own);
     Ok(fit)
 }
 

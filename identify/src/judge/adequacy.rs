@@ -28,9 +28,8 @@ pub struct Adequacy {
     pub families: Vec<Missing>,
 }
 
-/// Tests a fit's residual, with the gas no better known than stated.
+/// Tests a fit's residual.
 pub fn test(data: &Data, fit: &Fit) -> Adequacy {
-    let fit = &fit.in_uncertain_gas();
     let squares_deviations = squares_deviations(data, fit, fit.marginal);
     let mut families = Families::new(data, fit).map(|families| families.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
@@ -61,7 +60,7 @@ fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
 
 /// Whether the sum of a fit's squares is no more than that of noise: the part of the test that costs nothing.
 pub fn has_squares_of_noise(data: &Data, fit: &Fit) -> bool {
-    are_squares_of_noise(data, fit, fit.marginal_in_uncertain_gas())
+    are_squares_of_noise(data, fit, fit.marginal)
 }
 
 /// Whether so many squares of a fit's whitened blocks are no more than those of noise.

@@ -20,11 +20,6 @@ pub fn bic_widened(fit: &Fit, factor: f64) -> f64 {
     of_squares(fit.marginal_widened(factor) + fit.smoothed, fit.blocks, fit.freedom())
 }
 
-/// The same with the gas no better known than stated.
-pub fn bic_in_uncertain_gas(fit: &Fit) -> f64 {
-    of_squares(fit.marginal_in_uncertain_gas() + fit.smoothed, fit.blocks, fit.freedom())
-}
-
 /// BIC of so many whitened blocks' sum of squares with that number of free parameters.
 pub fn of_squares(squares: f64, blocks: usize, free: usize) -> f64 {
     let n = blocks as f64;

@@ -4,7 +4,7 @@
 //! common, √(mean of products), less what the rounding of their positions may have; elsewhere √(rms² − variance expected of noise and
 //! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
 
-use crate::fit::{self, Fit, readings};
+use crate::fit::{Fit, readings};
 use crate::parameters::Setting;
 use crate::record::block::Block;
 use crate::record::data::{Data, Prepared};
@@ -12,7 +12,6 @@ use crate::record::repeats;
 use crate::record::stroke::{Phase, Segment};
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;
-use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Row residuals (measured − model) of one record, Pa.
@@ -33,8 +32,7 @@ pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
     // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
     each_record(data, fit, |k| {
-        let (rig, own) = adapted(data, fit, k);
-        fit.hypothesis.setting(&data.traces[k], &rig, &fit.moved, &own)
+        fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.own_moved(data, k))
     })
 }
 
@@ -51,19 +49,6 @@ fn each_record(data: &Data, fit: &Fit, setting: impl Fn(usize) -> Setting<f64> +
 pub fn squares(t: &Prepared, residual: &[f64], from: usize) -> (f64, usize) {
     let rows = (from..residual.len()).filter(|&i| t.readout.is_data(i));
     rows.fold((0.0, 0), |(sum, n), i| (sum + residual[i] * residual[i], n + 1))
-}
-
-/// The free coordinates at the best move of the stated ones, within their bounds.
-fn adapted(data: &Data, fit: &Fit, k: usize) -> (Vec<f64>, Vec<f64>) {
-    let h = &fit.hypothesis;
-    let rig = fit::moved(&fit.rig, &fit.follow, h.axes.iter().map(|axis| axis.bounds));
-    let (l, own) = (&fit.linear[k], &fit.own[k]);
-    let all: Vec<f64> = fit.follow.iter().chain(&fit.moved).copied().collect();
-    let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
-    let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
-    let bounds = h.own_of(&data.traces[k]).into_iter().map(|axis| axis.bounds);
-    let own = step.map_or_else(|| own.clone(), |step| fit::moved(own, step.as_slice(), bounds));
-    (rig, own)
 }
 
 /// Root mean square over all rows that are data, Pa.

@@ -14,7 +14,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// The chosen set's numbers with their intervals over all sets that the data cannot tell from it.
 pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, is_adequate: bool) -> Estimates {
     // A set of more evidence that was not chosen predicts left-out data no better.
-    let odds = |c: &Candidate| probability::odds((-found.chosen.lead_over(c)).min(0.0));
+    let odds = |c: &Candidate| probability::odds((c.delta_bic - found.chosen.delta_bic).min(0.0));
     let others: Vec<(f64, Estimates)> =
         alike(found).map(|c| (odds(c), parameters(data, &c.fit, is_adequate))).collect();
     for (name, number) in &mut numbers {

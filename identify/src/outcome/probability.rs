@@ -5,7 +5,6 @@
 //! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself. BIC is that of gas no better known
 //! than its tolerance. Sets with a curve in them are left out.
 
-use crate::judge::evidence::bic_in_uncertain_gas;
 use crate::search::{Candidate, Found, Verdict};
 use chamber::effects::{CARDS, COUNT};
 
@@ -40,8 +39,7 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
     // A curve is a description, no hypothesis with a name.
     let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].is_candidate());
     let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
-    let evidence = |c: &Candidate| -bic_in_uncertain_gas(&c.fit);
-    let best = sets.clone().map(evidence).fold(f64::MIN, f64::max);
+    let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
     let (mut sum, mut each) = (0.0, [0.0; COUNT]);
     let named = found.chosen.model.of_rig();
     let mut seen = Vec::new();
@@ -50,7 +48,7 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
             continue;
         }
         seen.push(c.model);
-        let weight = odds(evidence(c) - best) * PRIOR.powi(c.model.terms() as i32);
+        let weight = odds(c.delta_bic - best) * PRIOR.powi(c.model.terms() as i32);
         sum += weight;
         let held = c.model.of_rig().union(c.model.effects.intersection(named));
         held.iter().for_each(|e| each[e] += weight);

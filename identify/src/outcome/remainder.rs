@@ -30,7 +30,11 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if found.follows_the_test {
         return "what each record has for itself differs from test to test".to_owned();
     }
-    match found.reported().fit.exhausted() {
+    let fit = &found.reported().fit;
+    if fit.needs_other_surroundings() {
+        return "the surroundings would have to differ from record to record by more than they can".to_owned();
+    }
+    match fit.exhausted() {
         Some(number) => format!("{} is nearly at the limit of its effect", number.name()),
         None => "what remains is noise".to_owned(),
     }
@@ -62,6 +66,9 @@ mod tests {
         found.verdict = Verdict::Improved;
         assert!(of(&data, &found, &left(0.0, false, true)).contains("a shape that noise does not have"));
         assert_eq!(of(&data, &found, &left(0.0, true, true)), "what remains is noise");
+        found.chosen.fit.ambient_scatter = 10.0;
+        assert!(of(&data, &found, &left(0.0, true, true)).contains("from record to record"));
+        found.chosen.fit.ambient_scatter = 0.0;
         found.carries_over = false;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("records left out whole"));
         found.carries_over = true;

@@ -10,7 +10,6 @@ use report::digits;
 
 /// What a fit asks of the stated numbers, if anything.
 pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
-    let fit = &fit.in_uncertain_gas();
     let bore_mm = 1e3 * data.cylinder.bore_m;
     let asked = |(slot, moved, by): (Slot, f64, f64)| {
         format!("{}, {:.1} times the tolerance", words(slot, by, bore_mm), moved.abs())

@@ -50,11 +50,9 @@ impl Slot {
         matches!(self, Slot::PositionLinearity(_))
     }
 
-    /// Whether a stated number moves within its tolerance while effects are chosen. The gas is taken as stated there: which of two
-    /// effects that are nearly alike has the evidence must not depend on what the other would make of another gas. What an effect's
-    /// card says stays as it is.
-    pub fn adapts_in_a_choice(self) -> bool {
-        !matches!(self, Slot::Effect(..) | Slot::HeatCapacityRatio)
+    /// Whether a stated number moves within its tolerance in a fit. What an effect's card says stays as it is.
+    pub fn adapts(self) -> bool {
+        !matches!(self, Slot::Effect(..))
     }
 
     /// Its unit's symbol.

@@ -28,36 +28,18 @@ impl Search {
             && seconds(&self.chosen, gone).max(seconds(other, new)) < 0.5 * self.data.shortest_row_s()
     }
 
-    /// Sets that the data cannot tell from the chosen one.
+    /// Sets that the data cannot tell from the chosen one: others of as many terms with about the same evidence or more, whose numbers
+    /// can be a rig's.
     pub(super) fn alike(&self) -> Vec<Model> {
-        distinct(self.others_alike().map(|c| c.model).collect())
-    }
-
-    /// Other sets of as many terms with about the same evidence or more, whose numbers can be a rig's.
-    fn others_alike(&self) -> impl Iterator<Item = &Candidate> {
         let chosen = self.chosen.model;
-        let is_other = move |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
+        let is_other = |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
         let is_near = |c: &&Candidate| {
-            let by = self.chosen.lead_over(c);
+            let by = self.chosen.delta_bic - c.delta_bic;
             by < policy::INDISTINGUISHABLE
                 || by < policy::INDISTINGUISHABLE_WITHIN_A_ROW && self.differs_within_a_row(c)
         };
-        let others = self.tried.iter().filter(move |c| is_other(&c.model)).filter(is_near);
-        others.filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none())
-    }
-
-    /// Takes the likeliest of the sets alike in the place of the chosen one, where that is likelier only with the gas exactly as
-    /// stated; whether one is. Nobody knows a gas so well, and the search, which compares fits in the gas as stated, may have
-    /// followed an effect that stands for the rest. A set that is likelier in that gas, too, did not enter for another reason, and one
-    /// with terms of single records in the place of effects says less.
-    pub(super) fn take_likelier_in_uncertain_gas(&mut self) -> bool {
-        let lead = |c: &Candidate| c.lead_over(&self.chosen);
-        let says_as_much = |c: &&Candidate| c.model.own == self.chosen.model.own;
-        let likely = self.others_alike().filter(says_as_much).filter(|c| c.delta_bic < self.chosen.delta_bic);
-        let likeliest = likely.max_by(|a, b| lead(a).total_cmp(&lead(b)));
-        let Some(likelier) = likeliest.filter(|c| lead(c) > policy::INDISTINGUISHABLE).cloned() else { return false };
-        self.put_in_place_of_chosen(self.judged(likelier));
-        true
+        let others = self.tried.iter().filter(|c| is_other(&c.model)).filter(is_near);
+        distinct(others.filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none()).map(|c| c.model).collect())
     }
 }
 
@@ -84,29 +66,5 @@ mod tests {
         assert_eq!(search.alike(), []);
         search.try_other_timings();
         assert!(search.alike().contains(&single("sensor_lag")), "{:?}", search.alike());
-    }
-
-    #[test]
-    fn of_sets_alike_the_likelier_one_in_a_gas_known_within_its_tolerance_is_chosen() {
-        let mut recipe =
-            Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(find("gas_column_length").unwrap().0, 1.0);
-        recipe.faults.stated.heat_capacity_ratio_times = 0.999;
-        let mut search = Search::after_first_fit(&recipe);
-        let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| {
-            let model = Model::with(EffectSet::one(find(name).unwrap().0));
-            search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap())
-        });
-        assert!(surface.delta_bic > column.delta_bic + policy::DECISIVE);
-        search.tried = vec![surface.clone(), column.clone()];
-        search.chosen = surface;
-        search.tried[1].delta_bic = search.chosen.delta_bic + 1.0;
-        assert!(!search.take_likelier_in_uncertain_gas());
-        search.tried[1] = Candidate { model: Model { own: column.model.effects, ..column.model }, ..column.clone() };
-        assert!(!search.take_likelier_in_uncertain_gas());
-        search.tried[1] = column.clone();
-        assert!(search.take_likelier_in_uncertain_gas());
-        assert_eq!(search.chosen.model, column.model);
-        assert_eq!(search.alike(), []);
-        assert!(!search.take_likelier_in_uncertain_gas());
     }
 }

@@ -1,7 +1,6 @@
 //! How a search ends: terms that nothing needs go out again (`needed`), what is left is judged (`verdict`), sets with one effect
-//! exchanged are tried where several explain the records, of sets that are alike the likeliest is taken (`alike`), and where more than
-//! noise is left the missing term is read off as a curve ([`curve`](super::curve)). At last the reported model is checked for
-//! contradictions (`contradictions`).
+//! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
+//! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
 
 use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
@@ -14,12 +13,9 @@ impl Search {
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
-        if verdict == Verdict::Explained {
-            let one_entered = self.try_others_in_place(&parts);
-            if self.take_likelier_in_uncertain_gas() || one_entered {
-                (by_geometry, _) = self.leave_out_unneeded();
-                (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
-            }
+        if verdict == Verdict::Explained && self.try_others_in_place(&parts) {
+            (by_geometry, _) = self.leave_out_unneeded();
+            (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
         }
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             self.refuse_pressures()?;
@@ -72,20 +68,16 @@ impl Search {
     }
 
     /// Tries sets with another effect in the place of each of the chosen ones, by what is left without it, where these are so many
-    /// that the search, which adds one effect after another, has not come to all such sets; whether one entered that is better also
-    /// in a gas known within its tolerance only.
+    /// that the search, which adds one effect after another, has not come to all such sets; whether one entered.
     fn try_others_in_place(&mut self, parts: &[Candidate]) -> bool {
-        let chosen = self.chosen.clone();
-        if chosen.model.of_rig().iter().count() < policy::EXCHANGED_FROM {
+        let chosen = self.chosen.model;
+        if chosen.of_rig().iter().count() < policy::EXCHANGED_FROM {
             return false;
         }
         self.keep(parts.iter().cloned());
         let others = parts.iter().flat_map(|part| terms::added_to(&self.data, &part.model));
-        let models =
-            others.filter(|model| !model.has_terms_of_records() && !model.has_same_terms(&chosen.model)).collect();
-        let mut better = self.fit_promising([models]);
-        better.retain(|c| c.lead_over(&chosen) > policy::DECISIVE);
-        self.take_best(better)
+        let models = others.filter(|model| !model.has_terms_of_records() && !model.has_same_terms(&chosen)).collect();
+        self.try_all([models])
     }
 
     /// Takes a model with a curve as the last step of those that led to it.

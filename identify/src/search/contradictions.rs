@@ -74,7 +74,7 @@ mod tests {
         better.fit.rig[0] -= 1e3f64.ln();
         assert!(!has_plausible_coefficient(&better.fit));
         assert!(search.may_have_its_coefficient(&better), "it leaves only noise");
-        better.fit.chi2 *= 10.0;
+        better.fit.marginal *= 10.0;
         assert!(!search.may_have_its_coefficient(&better) && !takes(&mut search, &better));
         search.chosen.fit.rig[0] -= 1e3f64.ln();
         assert!(search.may_have_its_coefficient(&better), "the chosen model has none that can be either");

@@ -27,7 +27,7 @@ mod verdict;
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::judge::adequacy::{self, Adequacy};
-use crate::judge::evidence::{bic, bic_in_uncertain_gas};
+use crate::judge::evidence::bic;
 use crate::judge::left_out::{self, Fold, HeldOut};
 use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
@@ -53,11 +53,6 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// By how much its evidence is larger than that of another, in a gas no better known than stated.
-    pub fn lead_over(&self, other: &Self) -> f64 {
-        bic_in_uncertain_gas(&other.fit) - bic_in_uncertain_gas(&self.fit)
-    }
-
     /// Error on left-out data as it is reported, Pa rms, where it was judged.
     pub fn held_out_pa(&self) -> Option<f64> {
         self.held_out.map(|error| error.rmse_pa)
@@ -347,15 +342,9 @@ impl Search {
         [of_records, of_rig].into_iter().flat_map(|models| models.into_iter().take(policy::FITTED)).collect()
     }
 
-    /// Fits the promising of each of these groups that were not tried yet; whether one of them entered.
+    /// Fits and judges the promising of each of these groups that were not tried yet; whether one of them entered. Those that exhaust
+    /// an effect do not.
     fn try_all(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> bool {
-        let found = self.fit_promising(groups);
-        self.take_best(found)
-    }
-
-    /// Fits and judges the promising of each of these groups that were not tried yet; the answer is without those that exhaust an
-    /// effect.
-    fn fit_promising(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> Vec<Candidate> {
         let fresh = |models: Vec<Model>| {
             let is_fresh = |model: &Model| {
                 let has_it =
@@ -371,7 +360,7 @@ impl Search {
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());
         self.judge(&mut found, policy::JUDGED);
         self.keep(found.iter().cloned().chain(exhausting));
-        found
+        self.take_best(found)
     }
 
     /// Adds to what was tried: of each model the better fit stays, the best evidence first.

@@ -28,8 +28,9 @@ impl Search {
                 return (by_geometry, parts);
             }
             let less = parts.swap_remove(weakest);
-            if self.needed(&less) > policy::DECISIVE {
-                by_geometry = Some(self.chosen.model.effects.without(less.model.effects));
+            let gone = self.chosen.model.effects.without(less.model.effects);
+            if self.needed(&less) > policy::DECISIVE && !gone.is_empty() {
+                by_geometry = Some(gone);
             }
             self.steps.retain(|s| terms::is_part(&s.model, &less.model) && s.model != less.model);
             self.chosen_adequacy = adequacy::test(&self.data, &less.fit);
@@ -102,7 +103,7 @@ mod tests {
         let zones = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
         let fit = fit_model(&search.data, zones, &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.candidate(fit);
-        assert!(search.needed(&search.baseline) > policy::DECISIVE);
+        assert!(search.needed(&search.baseline) < policy::DECISIVE);
         search.leave_out_unneeded();
         assert_eq!(search.chosen.model, Model::PAPER);
         assert!(search.chosen_adequacy.is_noise);

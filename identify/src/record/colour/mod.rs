@@ -40,7 +40,7 @@ const MOST_OF_RANGE: f64 = 0.05;
 /// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
 /// change: step, what the rig states.
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
-    let (mut windows, pure) = windows(data, residuals);
+    let (mut windows, pure) = windows(data, residuals, before.white_pa);
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
     let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
     // What a sticking sensor shows between its steps is rounding, which has a model of its own.
@@ -81,7 +81,7 @@ fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
 fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     let rests_and_holds = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<Window> {
         let segments = 0..t.course.motion.segments.len();
-        let rows = segments.map(|s| quiet_rows(t, s, false));
+        let rows = segments.map(|s| quiet_rows(t, s, false, start.white_pa));
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
     let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
@@ -120,6 +120,7 @@ fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::between_rows::Look;
     use crate::record::stroke::Phase;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
@@ -176,5 +177,28 @@ mod tests {
             let noise = shown(&Recipe::wide(seed).with(name, parameters));
             assert_eq!(noise.hum, None, "{seed} {name}: {noise:?}");
         }
+    }
+
+    #[test]
+    fn what_averaged_positions_hide_of_a_move_is_no_noise_of_the_rests_and_holds_beside_it() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        let data = Data::prepare(&recipe.rig()).unwrap();
+        let window_s = 0.3;
+        let looks: Vec<Look> = data.traces.iter().map(|_| Look { window_s, ..Look::default() }).collect();
+        let data = data.looked_at(&looks).unwrap();
+        // A misfit that stands within a window of each move, and nothing else.
+        let beside = |t: &Prepared, time: f64| {
+            let moves = t.course.motion.segments.iter().filter(|s| s.phase == Phase::Move);
+            moves.map(|s| (time - s.from_s).abs().min((time - s.to_s).abs())).fold(f64::INFINITY, f64::min)
+                < 0.5 * window_s
+        };
+        let misfit = |t: &Prepared| -> Vec<f64> {
+            let mut random = crate::synthetic::Random::new(3);
+            let ring = |time: f64| if beside(t, time) { 3e3 * (40.0 * time).sin() } else { 0.0 };
+            t.time_s.iter().map(|time| ring(*time) + 60.0 * random.normal()).collect()
+        };
+        let residuals: Vec<Vec<f64>> = data.traces.iter().map(misfit).collect();
+        let noise = estimate(&data, &residuals, &Noise::white(60.0));
+        assert!(noise.colours.is_empty() && noise.hum.is_none(), "{noise:?}");
     }
 }

@@ -29,18 +29,18 @@ impl Window {
     }
 }
 
-/// Windows of noise, and whether they are contrasts of repeats.
-pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
+/// Windows of noise, of which the white part is about so large, Pa; and whether they are contrasts of repeats.
+pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Window>, bool) {
     let mut out = Vec::new();
     for experiment in 0..data.experiments.len() {
-        contrasts(data, residuals, &repeats::of(data, experiment), &mut out);
+        contrasts(data, residuals, &repeats::of(data, experiment), white_pa, &mut out);
     }
     if !out.is_empty() {
         return (out, true);
     }
     for (t, residual) in data.traces.iter().zip(residuals) {
         for s in 0..t.course.motion.segments.len() {
-            let rows = quiet_rows(t, s, true);
+            let rows = quiet_rows(t, s, true, white_pa);
             if rows.len() < SHORTEST_ALONE {
                 continue;
             }
@@ -52,8 +52,9 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>]) -> (Vec<Window>, bool) {
     (out, false)
 }
 
-/// Rows of a rest or hold that are data, or of its later half; none of a move.
-pub fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
+/// Rows of a rest or hold that are data, or of its later half; none of a move. Beside a move an average of the positions leaves more of
+/// the pressure open than its noise, `white_pa`: those rows count as the move's.
+pub fn quiet_rows(t: &Prepared, segment: usize, late: bool, white_pa: f64) -> Vec<usize> {
     let s = &t.course.motion.segments[segment];
     let first = match s.phase {
         Phase::Move => return Vec::new(),
@@ -61,18 +62,23 @@ pub fn quiet_rows(t: &Prepared, segment: usize, late: bool) -> Vec<usize> {
         Phase::Hold if late => s.first + (s.end - s.first) / 2,
         Phase::Hold => s.first + AFTER_MOVE,
     };
-    (first..s.end).filter(|&i| t.readout.is_data(i)).collect()
+    let begin = t.blocks.partition_point(|b| b.segment < segment);
+    let own = &t.blocks[begin..t.blocks.partition_point(|b| b.segment <= segment)];
+    let known =
+        own.split(|b| b.by_position_pa > white_pa).filter_map(|part| Some(part.first()?.first..part.last()?.end));
+    let longest = known.max_by_key(|rows| rows.len()).unwrap_or_default();
+    longest.filter(|&i| i >= first && t.readout.is_data(i)).collect()
 }
 
 /// Helmert contrasts between the repeats of an experiment, part by part.
-fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], out: &mut Vec<Window>) {
+fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], white_pa: f64, out: &mut Vec<Window>) {
     let traces: Vec<&Prepared> = of.iter().map(|&k| &data.traces[k]).collect();
     let Some(first) = traces.first().filter(|_| repeats::are_alike(&traces)) else { return };
     if traces.iter().any(|t| !t.readout.readings.are_as_slow_as(&first.readout.readings)) {
         return;
     }
     for segment in 0..first.course.motion.segments.len() {
-        let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false)).collect();
+        let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false, white_pa)).collect();
         let rows = repeats::beside_each_other(&traces, segment, &rows);
         let length = rows[0].len();
         let aligned = |k: usize, i: usize| residuals[of[k]][rows[k][i]];
