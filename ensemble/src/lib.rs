@@ -33,6 +33,7 @@
 
 mod closed;
 mod ending;
+mod features;
 mod filter;
 mod general;
 mod instructions;

@@ -6,9 +6,9 @@ mod rows;
 mod test;
 
 use crate::Batch;
+use crate::features::{Features, Timed};
 use crate::outcome::Outcome;
 use crate::plan;
-use crate::ways::{Features, Timed};
 use chamber::effects::{self, EffectSet};
 use readings::Behind;
 

@@ -11,10 +11,10 @@ mod relaxation;
 pub mod relaxing_rows;
 
 use crate::Batch;
+use crate::features::Features;
 use crate::outcome::{Failure, Outcome};
 use crate::own::conduction;
 use crate::plan::Plan;
-use crate::ways::Features;
 use chamber::effects::{self, EffectSet};
 
 /// What rows that are integrated have in common.

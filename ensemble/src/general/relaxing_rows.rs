@@ -8,7 +8,7 @@ use crate::general::relaxation::{HoldPart, Pushed, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, SETTLED, closure};
-use crate::own::sealed::Test;
+use crate::own::gas::SealedTest;
 use crate::regression::Records;
 use crate::scenario::Scenario;
 use chamber::balance::{self, Boundary, ENERGY};
@@ -35,7 +35,7 @@ pub struct AfterPush {
 
 impl AfterPush {
     /// Of a test whose push has ended at a temperature, K, with what the gas has received and its work, over m cv, K.
-    pub fn of((row, duration): (u32, f64), gas: &Test, s: &Scenario, pushed: f64, energy: [f64; 2]) -> Self {
+    pub fn of((row, duration): (u32, f64), gas: &SealedTest, s: &Scenario, pushed: f64, energy: [f64; 2]) -> Self {
         let capacity = gas.capacity();
         let [received, work] = energy.map(|energy| capacity * energy);
         let is_gas = pushed > 0.0 && pushed < f64::INFINITY;

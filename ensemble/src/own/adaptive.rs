@@ -4,6 +4,7 @@
 
 use crate::Batch;
 use crate::ending::Ending;
+use crate::features::Timed;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::log::Attempted;
@@ -15,7 +16,6 @@ use crate::own::test::{Holding, OwnTest, Within};
 use crate::own::{Way, turns};
 use crate::regression::samples::{self, Samples};
 use crate::regression::{Guess, Records};
-use crate::ways::Timed;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};

@@ -12,7 +12,8 @@ use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
-use crate::own::sealed::{self, Test};
+use crate::own::gas::SealedTest;
+use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
@@ -39,7 +40,7 @@ pub fn is_heated(scenario: &Scenario) -> bool {
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatedTest {
-    gas: Test,
+    gas: SealedTest,
     heat_flow: Hinges,
     /// 1/(m cv), K/J.
     per_capacity: f64,
@@ -52,7 +53,7 @@ impl OwnTest<1> for HeatedTest {
 
     #[inline]
     fn new(s: &Scenario) -> Self {
-        let gas = Test::new(s);
+        let gas = SealedTest::new(s);
         let per_capacity = gas.closed.expansion / gas.closed.mass_gas_constant;
         Self { gas, heat_flow: heat_flow(s).unwrap_or(Hinges::NONE), per_capacity }
     }
@@ -63,7 +64,7 @@ impl OwnTest<1> for HeatedTest {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         &self.gas
     }
 

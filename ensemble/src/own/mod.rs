@@ -7,6 +7,7 @@ pub mod conduction;
 pub mod convective;
 mod finish;
 mod flows;
+pub mod gas;
 mod heated;
 pub mod sealed;
 mod stirred;
@@ -15,9 +16,9 @@ mod turns;
 mod walled;
 
 use crate::Batch;
+use crate::features::{Features, Timed};
 use crate::general::Kind;
 use crate::outcome::Outcome;
-use crate::ways::{Features, Timed};
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
 
@@ -51,7 +52,7 @@ impl<W: Way + ?Sized> List<W> {
 #[derive(Default)]
 pub struct Own {
     /// The paper's model, where the integrator is asked for.
-    sealed: List<adaptive::Memory<1, sealed::Test>>,
+    sealed: List<adaptive::Memory<1, gas::SealedTest>>,
     /// The same with a wall that warms.
     walled: List<adaptive::Memory<2, walled::WalledTest>>,
     /// The same with turbulence that decays.

@@ -15,26 +15,14 @@ use crate::integrator::clock::Clock;
 use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
+use crate::own::gas::SealedTest;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use chamber::exact::Closed;
 use chamber::real::Real;
 
-/// One test, reduced to the numbers its equation needs.
-#[derive(Clone, Copy, Debug)]
-pub struct Test {
-    /// c a1, c a0, γ − 1, Tw and m R.
-    pub closed: Closed,
-    /// The clock of the push.
-    pub clock: Clock,
-    /// Volume of the hold, m³.
-    pub held_volume: f64,
-    /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.
-    pub rate: f64,
-}
-
-impl OwnTest<1> for Test {
+impl OwnTest<1> for SealedTest {
     const HAS_ANOTHER_WAY: bool = false;
     type Moving<'a> = Moving<'a>;
     type Held<'a> = Held<'a>;
@@ -59,7 +47,7 @@ impl OwnTest<1> for Test {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         self
     }
 
@@ -77,24 +65,10 @@ impl OwnTest<1> for Test {
     }
 }
 
-impl Test {
-    /// P/T in the hold, Pa/K.
-    #[inline]
-    pub fn pressure_per_temperature(&self) -> f64 {
-        self.closed.mass_gas_constant / self.held_volume
-    }
-
-    /// m cv, J/K.
-    #[inline]
-    pub fn capacity(&self) -> f64 {
-        self.closed.mass_gas_constant / self.closed.expansion
-    }
-}
-
 /// Tests, one a lane, while their pistons move.
 #[derive(Clone)]
 pub struct Moving<'a> {
-    tests: &'a [Test],
+    tests: &'a [SealedTest],
     /// Their clocks.
     pub clock: Clock<Lanes>,
     /// c a1 p and c a0 p.
@@ -124,7 +98,7 @@ impl Moving<'_> {
 
     /// Puts the constants of a test into a lane.
     #[inline(always)]
-    pub fn load_test(&mut self, lane: usize, test: &Test) {
+    pub fn load_test(&mut self, lane: usize, test: &SealedTest) {
         self.clock.load(lane, &test.clock);
         self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
         self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
@@ -162,7 +136,7 @@ impl LaneSystem<1> for Moving<'_> {
 /// Tests, one a lane, while their pistons rest.
 #[derive(Clone)]
 pub struct Held<'a> {
-    tests: &'a [Test],
+    tests: &'a [SealedTest],
     /// c Aq/√V, 1/(K s).
     pub exchange: Lanes,
     /// Temperatures of their walls, K.
@@ -175,7 +149,7 @@ impl Held<'_> {
 
     /// Puts the constants of a test into a lane.
     #[inline(always)]
-    pub fn load_test(&mut self, lane: usize, test: &Test) {
+    pub fn load_test(&mut self, lane: usize, test: &SealedTest) {
         self.exchange[lane] = test.rate / test.closed.ambient_temperature;
         self.wall[lane] = test.closed.ambient_temperature;
     }

@@ -9,7 +9,8 @@
 use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
-use crate::own::sealed::{self, Test};
+use crate::own::gas::SealedTest;
+use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
@@ -35,7 +36,7 @@ pub fn is_stirred(scenario: &Scenario) -> bool {
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct StirredTest {
-    gas: Test,
+    gas: SealedTest,
     /// 1 + k |ẋ|, towards which f goes while the piston moves.
     steady: f64,
     /// 1/τ, 1/s.
@@ -51,7 +52,7 @@ impl OwnTest<2> for StirredTest {
     fn new(s: &Scenario) -> Self {
         let [coefficient, decay_time] = turbulence(s);
         let speed = (s.final_position_m - s.initial_position_m).abs() / s.push_time_s;
-        Self { gas: Test::new(s), steady: 1.0 + coefficient * speed, decay: 1.0 / decay_time }
+        Self { gas: SealedTest::new(s), steady: 1.0 + coefficient * speed, decay: 1.0 / decay_time }
     }
 
     #[inline]
@@ -60,7 +61,7 @@ impl OwnTest<2> for StirredTest {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         &self.gas
     }
 

@@ -6,7 +6,7 @@ use crate::integrator::problem::{Loadable, Problem};
 use crate::integrator::step::LaneSystem;
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
-use crate::own::sealed::Test;
+use crate::own::gas::SealedTest;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
 use chamber::real::Real;
@@ -48,7 +48,7 @@ pub trait OwnTest<const N: usize>: Sized {
         scenario.initial_temperature_k
     }
     /// The gas and its clock.
-    fn gas(&self) -> &Test;
+    fn gas(&self) -> &SealedTest;
     /// Temperatures, K, in some states with these readings.
     #[inline]
     fn temperatures(_: [&[f64; N]; 2], readings: [f64; 2]) -> [f64; 2] {

@@ -16,7 +16,8 @@ use crate::integrator::expansion::Expansion;
 use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
-use crate::own::sealed::{self, Test};
+use crate::own::gas::SealedTest;
+use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
@@ -32,7 +33,7 @@ const NAME: &str = "wall_heating";
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct WalledTest {
-    gas: Test,
+    gas: SealedTest,
     /// r.
     share: f64,
     /// g, 1/s.
@@ -59,7 +60,7 @@ impl OwnTest<2> for WalledTest {
 
     #[inline]
     fn new(s: &Scenario) -> Self {
-        let (gas, [capacity, conductance]) = (Test::new(s), wall(s));
+        let (gas, [capacity, conductance]) = (SealedTest::new(s), wall(s));
         let (share, cooling) = (gas.capacity() / capacity, conductance / capacity);
         let pace = (gas.rate * (1.0 + share) + cooling).max(f64::MIN_POSITIVE);
         Self { gas, share, cooling, pace }
@@ -71,7 +72,7 @@ impl OwnTest<2> for WalledTest {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         &self.gas
     }
 

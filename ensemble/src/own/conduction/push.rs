@@ -10,6 +10,7 @@ use crate::integrator::advance::LONGEST_OF_MOVE;
 use crate::integrator::problem::{Loadable, Problem};
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
+use crate::own::gas::SealedTest;
 use crate::own::sealed;
 use crate::own::test::OwnTest;
 use crate::scenario::Scenario;
@@ -30,7 +31,7 @@ pub const N: usize = 1 + MODES;
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
     /// The gas and its clock, with the wall's temperature where it does not warm.
-    pub gas: sealed::Test,
+    pub gas: SealedTest,
     /// f.
     feed: f64,
     /// a and b of the hold.
@@ -40,7 +41,7 @@ pub struct Test {
 impl Test {
     /// From a checked scenario.
     pub fn new(s: &Scenario) -> Self {
-        let gas = <sealed::Test as OwnTest<1>>::new(s);
+        let gas = <SealedTest as OwnTest<1>>::new(s);
         let [lateral, _] = s.chamber.geometry.area_constants();
         let coefficient = gas.closed.exchange[0] / lateral;
         let inverse_effusivity = s.chamber.effects.of(const { sets::place(NAME) })[0];

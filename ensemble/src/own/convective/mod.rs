@@ -22,7 +22,8 @@ use crate::integrator::problem::{Loadable, Problem};
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::math;
 use crate::lanes::{Lanes, WIDTH};
-use crate::own::sealed::{self, Test};
+use crate::own::gas::SealedTest;
+use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::plan::starts_singular;
 use crate::regression::Guess;
@@ -46,7 +47,7 @@ const MAY_ERR: f64 = 100.0;
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvectiveTest {
-    gas: Test,
+    gas: SealedTest,
     /// n.
     pub exponent: f64,
     /// Whether it starts from the wall's temperature.
@@ -82,7 +83,7 @@ impl OwnTest<2> for ConvectiveTest {
 
     #[inline]
     fn new(s: &Scenario) -> Self {
-        let (mut gas, from_rest) = (Test::new(s), s.initial_temperature_k == s.ambient_temperature_k);
+        let (mut gas, from_rest) = (SealedTest::new(s), s.initial_temperature_k == s.ambient_temperature_k);
         if from_rest {
             gas.clock = gas.clock.bent(s.push_time_s);
         }
@@ -120,7 +121,7 @@ impl OwnTest<2> for ConvectiveTest {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         &self.gas
     }
 
@@ -145,7 +146,7 @@ fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
         Pushes { clock: Clock::NONE, exponent: zero, expansion: zero, exchange: [zero; 2], wall: zero, length: zero };
     for lane in 0..WIDTH {
         let index = lane.min(tests.len() - 1);
-        let ConvectiveTest { gas: Test { closed, clock, .. }, exponent, .. } = &tests[index];
+        let ConvectiveTest { gas: SealedTest { closed, clock, .. }, exponent, .. } = &tests[index];
         all.clock.load(lane, clock);
         (all.exponent[lane], all.expansion[lane]) = (*exponent, closed.expansion);
         (all.exchange[0][lane], all.exchange[1][lane]) = (closed.exchange[0], closed.exchange[1]);

@@ -5,6 +5,7 @@ use super::hold::{self, Holds, Record, Solve};
 use super::{ConvectiveTest, EFFECTS};
 use crate::Batch;
 use crate::ending::Ending;
+use crate::features::Timed;
 use crate::general::relaxing_rows::{self, AfterPush};
 use crate::instructions::Wide;
 use crate::integrator::problem::Problem;
@@ -14,7 +15,6 @@ use crate::own::Way;
 use crate::own::adaptive;
 use crate::own::test::OwnTest;
 use crate::regression::Records;
-use crate::ways::Timed;
 use chamber::AreaLaw;
 
 /// What is kept from one batch to the next.

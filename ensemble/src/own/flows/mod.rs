@@ -26,7 +26,8 @@ use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
 use crate::numerics::series::Series;
-use crate::own::sealed::{self, Test};
+use crate::own::gas::SealedTest;
+use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
@@ -45,7 +46,7 @@ const FAINT: f64 = 2e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct FlowTest<L> {
     /// With half its heat exchange times √M.
-    gas: Test,
+    gas: SealedTest,
     constants: Constants,
     /// Pressure at which the flow's turning is a corner of the push: that outside, or zero where it is none. Pa.
     turn: f64,
@@ -70,7 +71,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
 
     #[inline]
     fn new(s: &Scenario) -> Self {
-        let (mut gas, passage) = (Test::new(s), L::passage(s));
+        let (mut gas, passage) = (SealedTest::new(s), L::passage(s));
         let root_mass = gas.closed.mass_gas_constant.sqrt();
         gas.closed.exchange = gas.closed.exchange.map(|exchange| exchange * (0.5 * root_mass));
         gas.rate *= 0.5 * root_mass;
@@ -112,7 +113,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     }
 
     #[inline]
-    fn gas(&self) -> &Test {
+    fn gas(&self) -> &SealedTest {
         &self.gas
     }
 

@@ -1,0 +1,50 @@
+//! What decides how a row is solved, and what is known of a row that has been checked.
+
+use crate::Batch;
+use crate::closed::readings::Behind;
+use crate::instructions;
+use crate::scenario::{Scenario, Solver};
+use crate::sets;
+use chamber::AreaLaw;
+use chamber::effects::{self, EffectSet};
+
+/// A row whose numbers are checked, and its duration, s.
+pub type Timed = (u32, f64);
+
+/// What decides how a row is solved.
+pub struct Features<'a> {
+    pub scenario: &'a Scenario,
+    /// Its active effects, and those on the gas.
+    pub active: EffectSet,
+    pub of_gas: EffectSet,
+    /// The sensor, where the record does not show the gas as it is.
+    pub behind: Option<Behind>,
+    /// Whether no gas enters or leaves but by effects, and the piston follows the ramp.
+    pub is_sealed: bool,
+    pub is_swept: bool,
+    /// Whether the integrator is asked for, or closed forms only.
+    pub integrates: bool,
+    pub is_exact: bool,
+    /// Whether there are wide instructions.
+    pub is_wide: bool,
+}
+
+impl<'a> Features<'a> {
+    /// Of a scenario of a batch.
+    #[inline]
+    pub fn of(scenario: &'a Scenario, Batch { arch, options, .. }: Batch) -> Self {
+        let active = scenario.chamber.active();
+        let shown = active.intersection(effects::of_sensor());
+        Self {
+            scenario,
+            active,
+            of_gas: sets::on_the_gas(active),
+            behind: (!shown.is_empty()).then(|| Behind::new(shown, scenario)),
+            is_sealed: scenario.is_sealed(),
+            is_swept: scenario.chamber.geometry.area_law == AreaLaw::Swept,
+            integrates: options.solver == Solver::Adaptive,
+            is_exact: options.solver == Solver::Exact,
+            is_wide: instructions::is_wide(arch),
+        }
+    }
+}
