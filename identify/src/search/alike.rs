@@ -67,4 +67,23 @@ mod tests {
         search.try_other_timings();
         assert!(search.alike().contains(&single("sensor_lag")), "{:?}", search.alike());
     }
+
+    #[test]
+    fn a_surface_of_the_dead_volume_has_no_more_evidence_than_a_columns_length_because_the_gas_is_off() {
+        let mut recipe =
+            Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(find("gas_column_length").unwrap().0, 1.0);
+        recipe.faults.stated.heat_capacity_ratio_times = 0.999;
+        let mut search = Search::after_first_fit(&recipe);
+        let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| {
+            let model = Model::with(EffectSet::one(find(name).unwrap().0));
+            search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap())
+        });
+        assert!(surface.fit.chi2 < column.fit.chi2, "in the gas as stated the surface fits better");
+        assert!(column.delta_bic > surface.delta_bic + policy::INDISTINGUISHABLE);
+        search.tried = vec![surface.clone(), column.clone()];
+        search.chosen = column;
+        assert_eq!(search.alike(), []);
+        search.chosen = surface;
+        assert_eq!(search.alike().len(), 1);
+    }
 }
