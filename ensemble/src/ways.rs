@@ -3,7 +3,7 @@
 use crate::Batch;
 use crate::closed::ClosedRows;
 use crate::features::Features;
-use crate::general::{GeneralRows, Kind};
+use crate::general::GeneralRows;
 use crate::outcome::{Failure, Outcome};
 use crate::own::Own;
 use crate::plan;
@@ -21,16 +21,14 @@ impl Ways {
     /// Solves a chunk of scenarios into the outcomes of the same index.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         let Batch { scenarios, .. } = batch;
-        self.closed.clear();
-        self.general.clear();
         for (row, (scenario, out)) in scenarios.iter().zip(&mut *out).enumerate() {
             if let Err(reason) = self.add(row as u32, set, &Features::of(scenario, batch)) {
                 *out = Outcome::failed(reason);
             }
         }
-        for (list, kind) in self.own.lists() {
+        for list in self.own.lists() {
             for row in list.solve(batch, out) {
-                if let Err(reason) = self.general.add(row, kind, set, &Features::of(&scenarios[row as usize], batch)) {
+                if let Err(reason) = self.general.add(row, set, &Features::of(&scenarios[row as usize], batch)) {
                     out[row as usize] = Outcome::failed(reason);
                 }
             }
@@ -42,14 +40,14 @@ impl Ways {
     /// Adds a row to those that are solved in its way.
     #[inline]
     fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
-        let rows = if self.closed.takes(features) {
-            self.closed.rows_like(features)
+        let rows = if let Some(rows) = self.closed.rows_like(features) {
+            rows
         } else if features.is_exact {
             return Err(Failure::NoExactSolution);
         } else if let Some(rows) = self.own.rows_like(features) {
             rows
         } else {
-            return self.general.add(row, Kind::of(features), set, features);
+            return self.general.add(row, set, features);
         };
         plan::check(set, features.active, features.scenario)?;
         let (_, duration) = plan::times(features.scenario)?;

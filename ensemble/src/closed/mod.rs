@@ -24,37 +24,28 @@ pub struct ClosedRows {
 }
 
 impl ClosedRows {
-    /// Empties the lists.
-    pub fn clear(&mut self) {
-        self.lists.iter_mut().for_each(Vec::clear);
-    }
-
-    /// Whether a row is solved so: where there is a closed form, and it is the quicker way or the only one wanted.
+    /// The rows of the kind of such a row, where there is a closed form and it is the quicker way or the only one wanted.
     #[inline]
-    pub fn takes(&self, row: &Features) -> bool {
+    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<Timed>> {
         let s = row.scenario;
         // A record that is late by more than the push or the hold shows other parts of the test.
         let in_time = |b: Behind| plan::times(s).map_or(true, |(push, duration)| b.delay < push.min(duration - push));
-        !row.integrates
+        let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)
-            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || b.is_quick(s)))
-    }
-
-    /// The rows of the kind of such a row.
-    #[inline]
-    pub fn rows_like(&mut self, row: &Features) -> &mut Vec<Timed> {
+            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || b.is_quick(s)));
         let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
         let shown = row.behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
-        &mut self.lists[gas + 3 * shown]
+        is_closed.then(|| &mut self.lists[gas + 3 * shown])
     }
 
-    /// Solves all.
+    /// Solves all, after which there are none.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
-        for (kind, rows) in self.lists.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+        for (kind, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };
             let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
             rows::run(batch, &mut self.memory, kept, shown, rows, out);
+            rows.clear();
         }
     }
 }

@@ -36,7 +36,7 @@ impl Kind {
     const ALL: [Self; 5] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing, Self::Remembering];
 
     /// That of a row.
-    pub fn of(row: &Features) -> Self {
+    fn of(row: &Features) -> Self {
         let of_gas = row.of_gas;
         let by_integrals = row.is_wide && !row.integrates;
         if !row.is_sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
@@ -67,20 +67,16 @@ pub struct GeneralRows {
 }
 
 impl GeneralRows {
-    /// Empties the lists.
-    pub fn clear(&mut self) {
-        self.lists.iter_mut().for_each(Planned::clear);
-    }
-
     /// Plans one more, unless it cannot be solved.
-    pub fn add(&mut self, row: u32, kind: Kind, set: EffectSet, features: &Features) -> Result<(), Failure> {
-        self.lists[usize::from(features.is_swept) + 2 * kind as usize].add(row, set, features)
+    pub fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
+        self.lists[usize::from(features.is_swept) + 2 * Kind::of(features) as usize].add(row, set, features)
     }
 
-    /// Solves all.
+    /// Solves all, after which there are none.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
-        for (number, rows) in self.lists.iter().enumerate().filter(|(_, rows)| rows.count > 0) {
+        for (number, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| rows.count > 0) {
             compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows.planned(), out);
+            rows.clear();
         }
     }
 }

@@ -17,7 +17,6 @@ mod walled;
 
 use crate::Batch;
 use crate::features::{Features, Timed};
-use crate::general::Kind;
 use crate::outcome::Outcome;
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
@@ -48,7 +47,7 @@ impl<W: Way + ?Sized> List<W> {
     }
 }
 
-/// The lists.
+/// A chunk's rows with equations of their own, a list for each kind.
 #[derive(Default)]
 pub struct Own {
     /// The paper's model, where the integrator is asked for.
@@ -94,18 +93,18 @@ impl Own {
         })
     }
 
-    /// All lists, each with the kind of row that it leaves.
-    pub fn lists(&mut self) -> [(&mut List<dyn Way>, Kind); 9] {
+    /// All lists.
+    pub fn lists(&mut self) -> [&mut List<dyn Way>; 9] {
         [
-            (&mut self.sealed, Kind::Tight),
-            (&mut self.walled, Kind::Tight),
-            (&mut self.stirred, Kind::Tight),
-            (&mut self.heated, Kind::Open),
-            (&mut self.convective, Kind::Relaxing),
-            (&mut self.integrated, Kind::Tight),
-            (&mut self.orifices, Kind::Open),
-            (&mut self.gaps, Kind::Open),
-            (&mut self.remembering, Kind::Remembering),
+            &mut self.sealed,
+            &mut self.walled,
+            &mut self.stirred,
+            &mut self.heated,
+            &mut self.convective,
+            &mut self.integrated,
+            &mut self.orifices,
+            &mut self.gaps,
+            &mut self.remembering,
         ]
     }
 }
