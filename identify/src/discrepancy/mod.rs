@@ -161,8 +161,9 @@ impl<'a> Families<'a> {
             jr += j.tr_mul(&r);
         }
         // What the rig states has its tolerance for a prior.
-        for k in free..g {
+        for (k, axis) in (free..g).zip(&self.fit.hypothesis.stated) {
             jj[(k, k)] += 1.0;
+            jr[k] += axis.mean();
         }
         let free: Vec<usize> = (0..g).filter(|&i| self.fit.adapts[i] && jj[(i, i)] > 0.0).collect();
         if !free.is_empty() {

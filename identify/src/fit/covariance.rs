@@ -109,7 +109,7 @@ impl Parts {
         let stated = fit.information.ncols() - n;
         let inverse = inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]))?;
         let by_stated = DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
-        let by_stated = &inverse * by_stated * spread_of_stated(fit);
+        let by_stated = &inverse * by_stated * spread_of_stated(fit, is_adequate);
         let mut records = inverse.clone();
         if !is_adequate {
             let robust = &inverse * meat(fit, &free) * &inverse;
@@ -125,20 +125,21 @@ impl Parts {
     }
 }
 
-/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor, of which the records
-/// may tell that they are smaller: the root of the mean square that these leave possible.
-fn spread_of_stated(fit: &Fit) -> DMatrix<f64> {
+/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor and, where the fit is
+/// adequate, the gas's heat capacity ratio, of which the records may tell more: the root of the mean square that these leave possible.
+fn spread_of_stated(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
     let (free, all) = (fit.rig.len(), fit.information.ncols());
     let adapting: Vec<usize> = (0..all).filter(|&i| fit.adapts[i] && fit.information[(i, i)] > 0.0).collect();
     let count = adapting.len();
     let known = inverse(&DMatrix::from_fn(count, count, |i, j| fit.information[(adapting[i], adapting[j])]));
-    let of_wave = |k: usize| {
-        let is_wave = fit.hypothesis.stated[k].slot.is_wave();
-        let place = adapting.iter().position(|&i| is_wave && i == free + k)?;
+    let shows = |slot: Slot| slot.is_wave() || is_adequate && slot == Slot::HeatCapacityRatio;
+    let left_possible = |k: usize| {
+        let shows = shows(fit.hypothesis.stated[k].slot);
+        let place = adapting.iter().position(|&i| shows && i == free + k)?;
         let variance = known.as_ref()?[(place, place)];
         Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
     };
-    DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| of_wave(k).unwrap_or(1.0)))
+    DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| left_possible(k).unwrap_or(1.0)))
 }
 
 /// Covariance of a record's own coordinates, the rig's uncertainty included.

@@ -1,6 +1,5 @@
 //! What a fit found: the numbers, what they leave, and the linearised problem there.
 
-use super::bordered::System;
 use super::linear::Linear;
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
@@ -139,58 +138,52 @@ impl Fit {
         data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
     }
 
-    /// Where the gas's heat capacity ratio stands in the linearised problem.
-    fn place_of_gas(&self) -> Option<usize> {
-        let place = self.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio)?;
-        Some(self.rig.len() + place)
-    }
-
-    /// Σ of squares that a move leaves which takes so much away.
-    fn without(&self, gain: f64) -> f64 {
-        (self.chi2 - gain).max(0.0)
-    }
-
     /// Takes the stated numbers that adapt to where the records ask for them, within their tolerances.
     pub(super) fn move_within_tolerances(&mut self) {
         let mut adapts = std::mem::take(&mut self.adapts);
-        if let Some((gain, x)) = self.credible_move(&mut adapts) {
+        if let Some((left, x)) = self.credible_move(&mut adapts) {
             let (follow, moved) = x.split_at(self.rig.len());
-            (self.marginal, self.moved, self.follow) = (self.without(gain), moved.to_vec(), follow.to_vec());
+            (self.marginal, self.moved, self.follow) = (left, moved.to_vec(), follow.to_vec());
         }
         self.adapts = adapts;
     }
 
+    /// Each stated number, and how far it is from where it is stated when moved, in tolerances.
+    pub fn moved_from_stated(&self) -> impl Iterator<Item = (&Axis, f64)> {
+        self.hypothesis.stated.iter().zip(&self.moved).map(|(axis, moved)| (axis, moved - axis.mean()))
+    }
+
+    /// How far the records ask for the gas's heat capacity ratio to move, in tolerances, and what [`Fit::marginal`] is without that.
+    pub fn gas_asked(&self) -> Option<(f64, f64)> {
+        /// As good as exact.
+        const HELD: f64 = 1e12;
+        let gas = self.gas()?;
+        let mut weights = self.as_stated();
+        weights[gas] = HELD;
+        let (left, _) = self.best_weighed(&weights, &self.adapts)?;
+        Some((self.moved[gas], left))
+    }
+
     /// [`Fit::marginal`] with the geometry's and the temperatures' tolerances so many times as wide, and the gas within its own.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
-        let gas = self.place_of_gas();
-        let widened = |place| if Some(place) == gas { 1.0 } else { factor };
-        self.best_widened(widened, &self.adapts).map_or(self.chi2, |(left, _)| left)
+        let mut weights = vec![1.0 / (factor * factor); self.moved.len()];
+        self.gas().into_iter().for_each(|gas| weights[gas] = 1.0);
+        self.best_weighed(&weights, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
     /// [`Fit::marginal`] where positions may lie off a straight line so many times as far as stated, and how far they then do, in
     /// tolerances.
     pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
-        let waves = waves(&self.hypothesis);
-        let mut adapts = self.adapts.clone();
-        waves.iter().for_each(|place| adapts[*place] = true);
-        let widened = |place| if waves.contains(&place) { factor } else { 1.0 };
-        let (left, x) = self.best_widened(widened, &adapts)?;
-        Some((left, farthest(&waves, &x)))
-    }
-
-    /// Σ of squares that the best move leaves, its own included, and that move, where the tolerance of the stated number at each place
-    /// is so many times as wide.
-    fn best_widened(&self, widened: impl Fn(usize) -> f64, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
-        let (free, all) = (self.rig.len(), self.information.nrows());
-        let (mut matrix, right) = System::new(&self.linear, all).reduced(0.0)?;
-        for k in free..all {
-            matrix[(k, k)] += 1.0 / (widened(k) * widened(k));
+        let (mut weights, mut adapts) = (self.as_stated(), self.adapts.clone());
+        for wave in self.waves() {
+            weights[wave] = 1.0 / (factor * factor);
+            adapts[self.rig.len() + wave] = true;
         }
-        let (gain, x) = best_move(&matrix, &right, adapts)?;
-        Some((self.without(gain), x))
+        let (left, x) = self.best_weighed(&weights, &adapts)?;
+        Some((left, self.farthest_wave(&x)))
     }
 
-    /// The best move that can be believed.
+    /// The best move that can be believed, and what it leaves.
     ///
     /// The gas goes by its tolerance whatever is left: evidence takes the noise's size as unknown, so that beside squares many times as
     /// large as noise's a move of many tolerances would count for little.
@@ -203,28 +196,60 @@ impl Fit {
         const FADES_WITHIN: f64 = 1.0;
         /// After so many the squares that are left change no more.
         const ROUNDS: usize = 3;
-        let mut matrix = self.information.clone();
-        let mut best = best_move(&matrix, &self.asked, adapts)?;
-        if let Some(gas) = self.place_of_gas() {
+        let mut weights = self.as_stated();
+        let mut best = self.best_weighed(&weights, adapts)?;
+        if let Some(gas) = self.gas() {
             for _ in 0..ROUNDS {
-                let over_noise = (self.without(best.0) / self.blocks.max(1) as f64).max(1.0);
-                matrix[(gas, gas)] = self.information[(gas, gas)] + over_noise - 1.0;
-                best = best_move(&matrix, &self.asked, adapts)?;
+                weights[gas] = (best.0 / self.blocks.max(1) as f64).max(1.0);
+                best = self.best_weighed(&weights, adapts)?;
             }
         }
-        let waves = waves(&self.hypothesis);
-        let belief = (policy::TOLERANCES - farthest(&waves, &best.1)) / FADES_WITHIN + 1.0;
+        let belief = (policy::TOLERANCES - self.farthest_wave(&best.1)) / FADES_WITHIN + 1.0;
         if belief >= 1.0 {
             return Some(best);
         }
-        for place in waves {
+        for wave in self.waves() {
             if belief > 0.0 {
-                matrix[(place, place)] += 1.0 / (belief * belief) - 1.0;
+                weights[wave] = 1.0 / (belief * belief);
             } else {
-                adapts[place] = false;
+                adapts[self.rig.len() + wave] = false;
             }
         }
-        best_move(&matrix, &self.asked, adapts)
+        self.best_weighed(&weights, adapts)
+    }
+
+    /// Σ of squares that the best move of all numbers that adapt leaves, its own included, and that move, with such weights of the
+    /// stated numbers' squares.
+    fn best_weighed(&self, weights: &[f64], adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
+        let (mut matrix, mut right, mut squares) = (self.information.clone(), self.asked.clone(), self.chi2);
+        for (k, (axis, weight)) in self.hypothesis.stated.iter().zip(weights).enumerate() {
+            let (place, mean) = (self.rig.len() + k, axis.mean());
+            matrix[(place, place)] += weight - 1.0;
+            right[place] += (weight - 1.0) * mean;
+            squares += weight * mean * mean;
+        }
+        let (gain, x) = best_move(&matrix, &right, adapts)?;
+        Some(((squares - gain).max(0.0), x))
+    }
+
+    /// Weights of the stated numbers' squares, in their tolerances.
+    fn as_stated(&self) -> Vec<f64> {
+        vec![1.0; self.moved.len()]
+    }
+
+    /// Which of the stated numbers is the gas's heat capacity ratio.
+    fn gas(&self) -> Option<usize> {
+        self.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio)
+    }
+
+    /// Which of them are the waves of a position sensor.
+    fn waves(&self) -> impl Iterator<Item = usize> {
+        self.hypothesis.stated.iter().enumerate().filter(|(_, axis)| axis.slot.is_wave()).map(|(k, _)| k)
+    }
+
+    /// How far a move goes in the farthest of these.
+    fn farthest_wave(&self, x: &[f64]) -> f64 {
+        self.waves().map(|wave| x[self.rig.len() + wave].abs()).fold(0.0, f64::max)
     }
 
     /// Number of free parameters beyond those that every record has.
@@ -232,17 +257,6 @@ impl Fit {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
         self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
     }
-}
-
-/// Places of the waves of a position sensor in the linearised problem.
-fn waves(hypothesis: &Hypothesis) -> Vec<usize> {
-    let places = (hypothesis.axes.len()..).zip(&hypothesis.stated);
-    places.filter(|(_, axis)| axis.slot.is_wave()).map(|(place, _)| place).collect()
-}
-
-/// How far a move goes at the farthest of these places.
-fn farthest(places: &[usize], x: &[f64]) -> f64 {
-    places.iter().map(|place| x[*place].abs()).fold(0.0, f64::max)
 }
 
 /// How much of χ² the best move of all numbers that adapt takes away, and that move.

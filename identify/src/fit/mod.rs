@@ -91,8 +91,11 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
         rig.iter().zip(&hypothesis.axes).map(|(x, a)| *x <= a.bounds[0] + 1e-9 || *x >= a.bounds[1] - 1e-9).collect();
     let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
     adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts()));
-    let normal = System::new(&linear, free + stated).reduced(0.0).map(|(mut matrix, asked)| {
-        (free..free + stated).for_each(|k| matrix[(k, k)] += 1.0);
+    let normal = System::new(&linear, free + stated).reduced(0.0).map(|(mut matrix, mut asked)| {
+        for (k, axis) in (free..).zip(&hypothesis.stated) {
+            matrix[(k, k)] += 1.0;
+            asked[k] += axis.mean();
+        }
         (matrix, asked)
     });
     let (information, asked) =

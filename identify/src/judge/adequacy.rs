@@ -36,8 +36,7 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let family_probability = families.first().map_or(1.0, probability);
     let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));
     // Stated numbers may move within their tolerances, not anywhere; waves of the positions go no farther than they are believed.
-    let mut moves = fit.hypothesis.stated.iter().zip(&fit.moved);
-    if moves.all(|(axis, moved)| axis.slot.is_wave() || moved.abs() < TOLERANCES) {
+    if fit.moved_from_stated().all(|(axis, moved)| axis.slot.is_wave() || moved.abs() < TOLERANCES) {
         systematic_pa = systematic_pa.min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
     }
     Adequacy {

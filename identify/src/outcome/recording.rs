@@ -293,6 +293,7 @@ fn noise_of_positions(data: &Data) -> Option<String> {
 fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let mut out = Vec::new();
     let fit = &found.chosen.fit;
+    out.extend(stated_numbers::moved_gas(data));
     out.extend(stated_numbers::sentence(data, fit));
     if found.verdict != Verdict::Adequate {
         out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));

@@ -14,13 +14,24 @@ pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
     let asked = |(slot, moved, by): (Slot, f64, f64)| {
         format!("{}, {:.1} times the tolerance", words(slot, by, bore_mm), moved.abs())
     };
-    let moves =
-        fit.hypothesis.stated.iter().zip(&fit.moved).map(|(axis, moved)| (axis.slot, *moved, moved * axis.scale));
+    let moves = fit.moved_from_stated().map(|(axis, moved)| (axis.slot, moved, moved * axis.scale));
     let far: Vec<String> =
         moves.filter(|(slot, moved, _)| moved.abs() > TOLERANCES && !slot.is_wave()).map(asked).collect();
     let check = if far.len() > 1 { "check them" } else { "check it" };
     (!far.is_empty() && fit.is_eased_by_moves())
         .then(|| format!("the records ask for {}: {check}", far.join(", and for ")))
+}
+
+/// That all numbers are given for another gas than the stated one, where the search took it as the records ask for it.
+pub fn moved_gas(data: &Data) -> Option<String> {
+    let (ratio, moved) = (data.gas.heat_capacity_ratio, data.gas_moved);
+    let stated = ratio / (1.0 + moved * data.tolerance.heat_capacity_ratio);
+    (moved != 0.0).then(|| {
+        format!(
+            "the records ask for a heat capacity ratio of {ratio:.4} instead of {stated:.4} as the rig file has it, {:.1} times its tolerance: all numbers are given for that one",
+            moved.abs()
+        )
+    })
 }
 
 /// What a position sensor farther from straight than its tolerance allows would make of the paper's model, where it would account for

@@ -122,6 +122,11 @@ pub struct Axis<S = Slot> {
 }
 
 impl<S> Axis<S> {
+    /// Mean of x before anything is measured; zero where nothing is known.
+    pub fn mean(&self) -> f64 {
+        self.prior.map_or(0.0, |[mean, _]| mean)
+    }
+
     /// The number at coordinate x.
     #[inline]
     pub fn value<R: Real>(&self, x: R) -> R {

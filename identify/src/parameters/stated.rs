@@ -17,7 +17,7 @@ pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
     all
 }
 
-/// What the rig states, each in units of its tolerance. That gas at rest has the temperature of its surroundings is such a
+/// What the rig states, each in units of its tolerance; of a gas that was moved, from where it is now. That gas at rest has the temperature of its surroundings is such a
 /// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
 fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
@@ -33,7 +33,8 @@ fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
         (Slot::RestTemperature, rest),
     ];
     let all = numbers.into_iter().chain((0..WAVES).map(wave)).filter(|(_, scale)| *scale > 0.0);
-    all.map(|(slot, scale)| within_tolerance(slot, scale)).collect()
+    let mean = |slot| if slot == Slot::HeatCapacityRatio { -data.gas_moved } else { 0.0 };
+    all.map(|(slot, scale)| Axis { prior: Some([mean(slot), 1.0]), ..within_tolerance(slot, scale) }).collect()
 }
 
 /// Secondary parameters that are not free, in units of how far they are known beforehand.

@@ -139,6 +139,8 @@ impl Prepared {
 pub struct Data {
     /// The rig's gas.
     pub gas: Gas,
+    /// How far its heat capacity ratio has been moved from the one that the rig states, in tolerances.
+    pub gas_moved: f64,
     /// Bore and rod, m, and piston area, m², of the measured chamber.
     pub cylinder: Cylinder,
     /// Dead volume to begin from, m³.
@@ -172,6 +174,13 @@ pub struct Data {
 }
 
 impl Data {
+    /// The same in a gas whose heat capacity ratio is so many tolerances farther from the one that the rig states.
+    pub fn in_gas_moved(mut self, tolerances: f64) -> Self {
+        self.gas.heat_capacity_ratio *= 1.0 + tolerances * self.tolerance.heat_capacity_ratio;
+        self.gas_moved += tolerances;
+        self
+    }
+
     /// Lowest pressure of all rows, Pa.
     pub fn lowest_pressure_pa(&self) -> f64 {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)

@@ -33,6 +33,7 @@ pub mod saturation;
 mod scatter;
 mod smoothed;
 pub mod spline;
+mod start_up;
 pub mod stroke;
 mod thinned;
 pub mod true_stroke;

@@ -13,6 +13,7 @@ use crate::record::positions::Positions;
 use crate::record::readout::{Between, Readings, Readout, of_logger};
 use crate::record::row_time::usual_row_s;
 use crate::record::saturation::{self, End};
+use crate::record::start_up;
 use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
@@ -56,7 +57,7 @@ impl Data {
         let mut noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         drop(quiet);
         for c in &mut columns {
-            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
+            c.readout.outliers = c.far_off(noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(noise.white_pa.hypot(noise.rounding_pa()));
         }
         if columns.iter().any(|c| !c.readout.outliers.is_empty() || c.readout.opened.is_some()) {
@@ -72,6 +73,7 @@ impl Data {
         let area = rig.cylinder.piston_area_m2;
         let mut data = Self {
             gas: rig.gas.gas,
+            gas_moved: 0.0,
             cylinder: rig.cylinder,
             dead_volume_m3: rig.dead_volume.map_or_else(|| first_guess(&traces, area), |d| d.value_m3),
             dead_volume_known: rig.dead_volume.is_some_and(|d| d.known),
@@ -185,6 +187,18 @@ impl<'a> Columns<'a> {
     fn quiet(&self) -> Quiet<'_> {
         let Self { time_s, pressure_pa, motion, readout, .. } = self;
         Quiet { time_s, pressure_pa, motion, readout }
+    }
+
+    /// Rows with readings that are far off: spikes, and the first ones where a filter has not settled yet.
+    fn far_off(&self, noise_pa: f64) -> Vec<usize> {
+        let rest = self.motion.segments.first().filter(|s| s.phase == Phase::Rest).map_or(0..0, |s| s.first..s.end);
+        let rows: Vec<usize> = rest.filter(|&i| self.readout.is_data(i)).collect();
+        let settling = start_up::readings(&rows.iter().map(|&i| self.pressure_pa[i]).collect::<Vec<f64>>());
+        let mut all = outliers::spikes(&self.pressure_pa, &self.readout, noise_pa);
+        all.extend(&rows[..settling]);
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.

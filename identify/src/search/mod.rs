@@ -19,6 +19,7 @@ pub mod curve;
 mod early;
 mod entry;
 mod fold;
+mod in_gas;
 mod needed;
 pub mod starts;
 pub mod terms;
@@ -129,6 +130,13 @@ impl Found {
 /// # Errors
 /// Where the data contradict the model in a way that has a name: see [`sanity`].
 pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
+    let found = in_gas::search(data, progress)?;
+    progress("done", 1.0);
+    Ok(found)
+}
+
+/// The same in the gas as the data state it.
+fn search_as_stated(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     progress("fitting the paper's model", 0.0);
     let (data, baseline) = baseline::fitted(data)?;
     let adequacy = adequacy::test(&data, &baseline);
@@ -152,9 +160,7 @@ pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data
         level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);
-    let found = search.conclude()?;
-    progress("done", 1.0);
-    Ok(found)
+    search.conclude()
 }
 
 /// The paper's model fitted, and what it leaves, with the outliers and the noise as the best single term shows them where it

@@ -1,0 +1,86 @@
+//! First readings of a record that have not come to the gas yet: a filter in sensor or logger that began elsewhere, at zero mostly,
+//! and settles within the first half of a rest. They are left out like readings that are far off. Pressures in Pa.
+
+use crate::record::scatter::scatter;
+use records::median;
+
+/// A filter that begins nearer to the rest's pressure than this share of it is left alone: gas that is not at rest yet may be as far off.
+const BEGINS_OFF: f64 = 0.02;
+/// Fewest rows of a rest that tells.
+const FEWEST_ROWS: usize = 16;
+/// Readings this many standard deviations of the rest's scatter from its level have not come there.
+const DEVIATIONS: f64 = 3.0;
+/// With so many there is nothing left to be seen.
+const NOTHING: f64 = 0.1;
+/// One row alone is a spike.
+const FEWEST_OFF: usize = 2;
+
+/// How many readings at the begin of a record show a filter that settles, by the readings of the rest that the record begins with; zero
+/// where there is none. What still shows below the scatter is left out with them, as long as it falls on as it did.
+pub fn readings(rest_pa: &[f64]) -> usize {
+    if rest_pa.len() < FEWEST_ROWS {
+        return 0;
+    }
+    let (early, late) = rest_pa.split_at(rest_pa.len() / 2);
+    let level_pa = median(late.to_vec());
+    let steps = rest_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| *step > 0.0);
+    let near_pa = DEVIATIONS * scatter(late).max(steps.fold(f64::INFINITY, f64::min));
+    let begins_pa = early[0] - level_pa;
+    if begins_pa.abs() < BEGINS_OFF * level_pa {
+        return 0;
+    }
+    let is_off = |p: &&f64| (**p - level_pa) * begins_pa.signum() > near_pa;
+    let off = early.iter().take_while(is_off).count();
+    if !(FEWEST_OFF..early.len()).contains(&off) {
+        return 0;
+    }
+    let rows_by_e = off as f64 / (begins_pa.abs() / near_pa).ln();
+    let still_shows = (rows_by_e * (DEVIATIONS / NOTHING).ln()).ceil() as usize;
+    (off + still_shows).min(early.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::synthetic::{Random, Recipe};
+
+    /// A rest of 100 readings at 2 bar, off by `off` of that at first, which falls to 1/e in so many rows.
+    fn rest(off: f64, rows: f64) -> Vec<f64> {
+        let mut random = Random::new(7);
+        (0..100).map(|i| 2e5 * (1.0 + off * (-f64::from(i) / rows).exp()) + 50.0 * random.normal()).collect()
+    }
+
+    #[test]
+    fn a_filter_that_begins_at_zero_is_left_out_until_it_has_settled_within_the_noise() {
+        // 2e5 e^(−i/2) falls below a tenth of 50 Pa at the 22nd row, and 0.3 of that at the 19th.
+        let left_out = [-1.0, 0.3].map(|off| readings(&rest(off, 2.0)));
+        assert!((20..=24).contains(&left_out[0]) && (17..=21).contains(&left_out[1]), "{left_out:?}");
+    }
+
+    #[test]
+    fn gas_that_relaxes_a_spike_and_noise_are_no_filter() {
+        assert_eq!(readings(&rest(0.0, 2.0)), 0);
+        assert_eq!(readings(&rest(0.015, 5.0)), 0, "less than gas may be off");
+        assert_eq!(readings(&rest(0.1, 40.0)), 0, "not settled within the rest");
+        let mut spike = rest(0.0, 2.0);
+        spike[0] = 3e5;
+        assert_eq!(readings(&spike), 0);
+    }
+
+    #[test]
+    fn noise_is_that_of_the_rows_behind_a_filter_that_settles() {
+        let noise = |starts: bool| {
+            let mut rig = Recipe { noise_pa: 60.0, ..Recipe::from_seed(5) }.rig();
+            for trace in rig.experiments.iter_mut().flat_map(|e| &mut e.traces) {
+                let pressures = trace.pressure_pa.iter_mut().flatten().take(if starts { 30 } else { 0 });
+                pressures.enumerate().for_each(|(i, p)| *p *= 1.0 - 0.5 * (-(i as f64)).exp());
+            }
+            let (data, _) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
+            data.noise.total_pa()
+        };
+        let [with, without] = [true, false].map(noise);
+        assert!((with / without - 1.0).abs() < 0.02, "{with} {without}");
+    }
+}
