@@ -185,11 +185,30 @@ pub fn left_out(data: &Data) -> Vec<String> {
         };
         out.push(format!("{}: {rows}", t.path.display()));
     }
+    out.extend(starting(data));
     out.extend(opened(data));
     let saturated = |t: &Prepared| saturation::sentence(&t.path, &t.readout.saturated, &t.lines, &t.time_s);
     out.extend(data.traces.iter().filter_map(saturated));
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
     out
+}
+
+/// Which records begin with a filter that settles, and until when.
+fn starting(data: &Data) -> Option<String> {
+    let begun = data.traces.iter().filter(|t| t.readout.starting > 0);
+    let records: Vec<String> = begun
+        .map(|t| {
+            let rows = t.readout.starting;
+            format!("{}: {rows} rows, {:.2} s", t.path.display(), t.time_s[rows] - t.time_s[0])
+        })
+        .collect();
+    let (named, more) = far_off::first_few(&records);
+    (!records.is_empty()).then(|| {
+        format!(
+            "the first readings settle from elsewhere, as those of a filter that begins at zero; they are left out ({}{more})",
+            named.join("; ")
+        )
+    })
 }
 
 /// Which records end with an opened chamber, and from where on.

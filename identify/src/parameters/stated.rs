@@ -17,8 +17,9 @@ pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
     all
 }
 
-/// What the rig states, each in units of its tolerance; of a gas that was moved, from where it is now. That gas at rest has the temperature of its surroundings is such a
-/// statement too: where it does not hold it fails in all records alike, for which a wall of another temperature would stand.
+/// What the rig states, each in units of its tolerance; of a gas that was moved, from where it is now. That gas at rest has the
+/// temperature of its surroundings is such a statement too: where it does not hold it fails in all records alike, for which a wall of
+/// another temperature would stand.
 fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
     let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };

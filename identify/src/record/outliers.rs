@@ -98,8 +98,9 @@ struct Far {
 
 impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
+        let is_no_data = |i: usize| i < t.readout.starting || t.readout.is_open(i);
         let is_looked_at =
-            |i: usize| t.readout.readings.are_at(i) && !t.readout.is_open(i) && t.spikes.binary_search(&i).is_err();
+            |i: usize| t.readout.readings.are_at(i) && !is_no_data(i) && t.spikes.binary_search(&i).is_err();
         let rows: Vec<usize> = (0..residual.len()).filter(|&i| is_looked_at(i)).collect();
         let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);

@@ -1,4 +1,4 @@
-//! The paper's steps 2 to 7 on one record, its outliers and saturated rows left out: the time constant method of Carneiro and Gomes de
+//! The paper's steps 2 to 7 on one record, its outliers, saturated rows and those of a filter that settles left out: the time constant method of Carneiro and Gomes de
 //! Almeida (2006).
 
 use crate::record::data::{Data, Prepared};
@@ -17,7 +17,8 @@ pub fn of(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
         reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
         reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
     };
-    let is_kept = |row: &usize| !t.readout.is_saturated(*row) && t.readout.outliers.binary_search(row).is_err();
+    let left_out = |row: &usize| t.readout.is_saturated(*row) || t.readout.outliers.binary_search(row).is_ok();
+    let is_kept = |row: &usize| *row >= t.readout.starting && !left_out(row);
     let kept = |column: &[f64]| (0..column.len()).filter(is_kept).map(|row| column[row]).collect::<Vec<f64>>();
     let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|column| kept(column));
     let recording = Recording { time_s: &time_s, pressure_pa: &pressure_pa, position_m: &position_m };

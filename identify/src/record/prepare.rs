@@ -57,10 +57,12 @@ impl Data {
         let mut noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         drop(quiet);
         for c in &mut columns {
-            c.readout.outliers = c.far_off(noise.white_pa.max(noise.step_pa));
+            c.readout.starting = c.starting();
+            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(noise.white_pa.hypot(noise.rounding_pa()));
         }
-        if columns.iter().any(|c| !c.readout.outliers.is_empty() || c.readout.opened.is_some()) {
+        let leaves_out = |r: &Readout| r.starting > 0 || !r.outliers.is_empty() || r.opened.is_some();
+        if columns.iter().any(|c| leaves_out(&c.readout)) {
             let quiet: Vec<Quiet<'_>> = columns.iter().map(Columns::quiet).collect();
             noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         }
@@ -189,16 +191,12 @@ impl<'a> Columns<'a> {
         Quiet { time_s, pressure_pa, motion, readout }
     }
 
-    /// Rows with readings that are far off: spikes, and the first ones where a filter has not settled yet.
-    fn far_off(&self, noise_pa: f64) -> Vec<usize> {
+    /// Rows at the beginning that show a filter which has not settled yet.
+    fn starting(&self) -> usize {
         let rest = self.motion.segments.first().filter(|s| s.phase == Phase::Rest).map_or(0..0, |s| s.first..s.end);
         let rows: Vec<usize> = rest.filter(|&i| self.readout.is_data(i)).collect();
         let settling = start_up::readings(&rows.iter().map(|&i| self.pressure_pa[i]).collect::<Vec<f64>>());
-        let mut all = outliers::spikes(&self.pressure_pa, &self.readout, noise_pa);
-        all.extend(&rows[..settling]);
-        all.sort_unstable();
-        all.dedup();
-        all
+        rows[..settling].last().map_or(0, |last| last + 1)
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.

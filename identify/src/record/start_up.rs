@@ -1,5 +1,5 @@
 //! First readings of a record that have not come to the gas yet: a filter in sensor or logger that began elsewhere, at zero mostly,
-//! and settles within the first half of a rest. They are left out like readings that are far off. Pressures in Pa.
+//! and settles within the first half of a rest. Pressures in Pa.
 
 use crate::record::scatter::scatter;
 use records::median;

@@ -26,6 +26,8 @@ pub struct Readout {
     pub readings: Readings,
     /// Rows that are no data although they are readings, ascending.
     pub outliers: Vec<usize>,
+    /// How many rows at the beginning are no data since a filter shows there that began elsewhere.
+    pub starting: usize,
     /// Rows that are no data since nothing tells where the piston is.
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
@@ -43,6 +45,7 @@ impl Readout {
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
         self.readings.are_at(row)
+            && row >= self.starting
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
             && !self.is_saturated(row)
