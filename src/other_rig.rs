@@ -59,13 +59,15 @@ fn differences(model: &Model, rig: &Rig) -> Vec<String> {
         }
     }
     let (theirs, ours) = (rig.gas.gas, model.chamber.gas);
+    // `diagnose` takes the ratio that records ask for, so far from the stated one at the most.
+    let ratio_alike = ALIKE.max(identify::policy::TOLERANCES * rig.tolerance.heat_capacity_ratio);
     let words = |name: &Option<String>, gas: &chamber::Gas| {
         let [constant, ratio] = [gas.gas_constant, gas.heat_capacity_ratio].map(|value| digits(value, 4));
         let name = name.as_ref().map_or(String::new(), |name| format!("{name}, "));
         format!("{name}R = {constant} J/(kg K), ratio of heat capacities {ratio}")
     };
     if differs(theirs.gas_constant, ours.gas_constant, ALIKE)
-        || differs(theirs.heat_capacity_ratio, ours.heat_capacity_ratio, ALIKE)
+        || differs(theirs.heat_capacity_ratio, ours.heat_capacity_ratio, ratio_alike)
     {
         differ("gas", words(&rig.gas.name, &theirs), words(&model.gas_name, &ours));
     }

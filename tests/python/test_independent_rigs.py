@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 
 import numpy as np
 import pytest
@@ -44,3 +45,22 @@ def test_what_another_simulator_put_in_is_what_diagnose_finds(number, pneutherm,
     rest = int(np.argmax(np.abs(position - position[0]) > 1e-4))
     by_start = 2.5 * found["noise_pa"] / np.sqrt(rest) * measured / measured[:rest].mean()
     assert np.mean(error**2) < 1.1**2 * found["noise_pa"] ** 2 + np.mean(by_start**2)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_gas_that_is_stated_off_within_its_tolerance_is_found_and_goes_into_the_model(number, pneutherm, tmp_path):
+    answer = rigs.write(tmp_path, number)
+    rig = tmp_path / "rig.toml"
+    stated = rig.read_text().replace('name = "air"', "gas_constant_j_per_kg_k = 287.0\nheat_capacity_ratio = 1.40168")
+    rig.write_text(stated)
+    diagnosed = pneutherm("diagnose", "rig.toml", "-o", "model.toml", "--json", "diagnosis.json", cwd=tmp_path)
+    told = diagnosed.stdout + diagnosed.stderr
+    assert "a heat capacity ratio of 1.40" in told and "instead of 1.4017" in told
+    found = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert found["effects"] == ([] if answer["effect"] == "none" else [answer["effect"]])
+    parameters = found["after"]["parameters"]
+    assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(answer["lambda0_w_per_m2_k"], rel=0.01)
+    ratio = tomllib.loads((tmp_path / "model.toml").read_text())["gas"]["heat_capacity_ratio"]
+    assert ratio == pytest.approx(1.4, abs=2e-4)
+    validated = pneutherm("validate", "model.toml", "rig.toml", cwd=tmp_path)
+    assert "is it the model of this rig" not in validated.stdout + validated.stderr
