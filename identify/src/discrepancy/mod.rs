@@ -147,7 +147,7 @@ impl<'a> Families<'a> {
 
     /// The best coefficients given that every fitted parameter adapts: gain, rank, values and standard deviations.
     fn solve(&self, responses: &[DMatrix<f64>]) -> Option<(f64, usize, Vec<f64>, Vec<f64>)> {
-        let (free, g) = (self.fit.rig.len(), self.fit.information.nrows());
+        let g = self.fit.information.nrows();
         let (mut ww, mut wj, mut jj) = (DMatrix::zeros(KNOTS, KNOTS), DMatrix::zeros(KNOTS, g), DMatrix::zeros(g, g));
         let (mut wr, mut jr) = (DVector::zeros(KNOTS), DVector::zeros(g));
         for (w, l) in responses.iter().zip(&self.fit.linear) {
@@ -161,10 +161,7 @@ impl<'a> Families<'a> {
             jr += j.tr_mul(&r);
         }
         // What the rig states has its tolerance for a prior.
-        for (k, axis) in (free..g).zip(&self.fit.hypothesis.stated) {
-            jj[(k, k)] += 1.0;
-            jr[k] += axis.mean();
-        }
+        self.fit.hypothesis.add_priors_of_stated(&mut jj, &mut jr, |_| 1.0);
         let free: Vec<usize> = (0..g).filter(|&i| self.fit.adapts[i] && jj[(i, i)] > 0.0).collect();
         if !free.is_empty() {
             let square = DMatrix::from_fn(free.len(), free.len(), |i, j| jj[(free[i], free[j])]);

@@ -134,8 +134,7 @@ fn spread_of_stated(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
     let known = inverse(&DMatrix::from_fn(count, count, |i, j| fit.information[(adapting[i], adapting[j])]));
     let shows = |slot: Slot| slot.is_wave() || is_adequate && slot == Slot::HeatCapacityRatio;
     let left_possible = |k: usize| {
-        let shows = shows(fit.hypothesis.stated[k].slot);
-        let place = adapting.iter().position(|&i| shows && i == free + k)?;
+        let place = adapting.iter().position(|&i| i == free + k).filter(|_| shows(fit.hypothesis.stated[k].slot))?;
         let variance = known.as_ref()?[(place, place)];
         Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
     };

@@ -155,12 +155,9 @@ impl Fit {
 
     /// How far the records ask for the gas's heat capacity ratio to move, in tolerances, and what [`Fit::marginal`] is without that.
     pub fn gas_asked(&self) -> Option<(f64, f64)> {
-        /// As good as exact.
-        const HELD: f64 = 1e12;
-        let gas = self.gas()?;
-        let mut weights = self.as_stated();
-        weights[gas] = HELD;
-        let (left, _) = self.best_weighed(&weights, &self.adapts)?;
+        let (gas, mut adapts) = (self.gas()?, self.adapts.clone());
+        adapts[self.rig.len() + gas] = false;
+        let (left, _) = self.best_weighed(&self.as_stated(), &adapts)?;
         Some((self.moved[gas], left))
     }
 
@@ -221,15 +218,12 @@ impl Fit {
     /// Σ of squares that the best move of all numbers that adapt leaves, its own included, and that move, with such weights of the
     /// stated numbers' squares.
     fn best_weighed(&self, weights: &[f64], adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
-        let (mut matrix, mut right, mut squares) = (self.information.clone(), self.asked.clone(), self.chi2);
-        for (k, (axis, weight)) in self.hypothesis.stated.iter().zip(weights).enumerate() {
-            let (place, mean) = (self.rig.len() + k, axis.mean());
-            matrix[(place, place)] += weight - 1.0;
-            right[place] += (weight - 1.0) * mean;
-            squares += weight * mean * mean;
-        }
+        let (mut matrix, mut right) = (self.information.clone(), self.asked.clone());
+        self.hypothesis.add_priors_of_stated(&mut matrix, &mut right, |k| weights[k] - 1.0);
+        let of_prior = |(axis, weight): (&Axis, &f64)| weight * axis.mean() * axis.mean();
+        let unmoved = self.chi2 + self.hypothesis.stated.iter().zip(weights).map(of_prior).sum::<f64>();
         let (gain, x) = best_move(&matrix, &right, adapts)?;
-        Some(((squares - gain).max(0.0), x))
+        Some(((unmoved - gain).max(0.0), x))
     }
 
     /// Weights of the stated numbers' squares, in their tolerances.

@@ -92,10 +92,7 @@ fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Sele
     let mut adapts: Vec<bool> = at_bound.iter().map(|is_at_bound| !is_at_bound).collect();
     adapts.extend(hypothesis.stated.iter().map(|axis| axis.slot.adapts()));
     let normal = System::new(&linear, free + stated).reduced(0.0).map(|(mut matrix, mut asked)| {
-        for (k, axis) in (free..).zip(&hypothesis.stated) {
-            matrix[(k, k)] += 1.0;
-            asked[k] += axis.mean();
-        }
+        hypothesis.add_priors_of_stated(&mut matrix, &mut asked, |_| 1.0);
         (matrix, asked)
     });
     let (information, asked) =

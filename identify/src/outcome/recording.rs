@@ -195,38 +195,32 @@ pub fn left_out(data: &Data) -> Vec<String> {
 
 /// Which records begin with a filter that settles, and until when.
 fn starting(data: &Data) -> Option<String> {
-    let begun = data.traces.iter().filter(|t| t.readout.starting > 0);
-    let records: Vec<String> = begun
-        .map(|t| {
-            let rows = t.readout.starting;
-            format!("{}: {rows} rows, {:.2} s", t.path.display(), t.time_s[rows] - t.time_s[0])
-        })
-        .collect();
-    let (named, more) = far_off::first_few(&records);
-    (!records.is_empty()).then(|| {
-        format!(
-            "the first readings settle from elsewhere, as those of a filter that begins at zero; they are left out ({}{more})",
-            named.join("; ")
-        )
-    })
+    let records = records_with(data, |t| {
+        let rows = t.readout.starting;
+        (rows > 0).then(|| format!(": {rows} rows, {:.2} s", t.time_s[rows] - t.time_s[0]))
+    })?;
+    Some(format!(
+        "the first readings settle from elsewhere, as those of a filter that begins at zero; they are left out ({records})"
+    ))
 }
 
 /// Which records end with an opened chamber, and from where on.
 fn opened(data: &Data) -> Option<String> {
-    let first_row = |t: &Prepared| t.readout.opened.as_ref().map(|rows| rows.start);
-    let records: Vec<String> = data
-        .traces
-        .iter()
-        .filter_map(|t| Some((t, first_row(t)?)))
-        .map(|(t, row)| format!("{} from {} on", t.path.display(), far_off::named(&[row], &t.lines, &t.time_s)))
-        .collect();
+    let records = records_with(data, |t| {
+        let first_row = t.readout.opened.as_ref()?.start;
+        Some(format!(" from {} on", far_off::named(&[first_row], &t.lines, &t.time_s)))
+    })?;
+    Some(format!(
+        "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({records})"
+    ))
+}
+
+/// The first few of the records of which there is something to say, each with that; `None` where there are none.
+fn records_with(data: &Data, what: impl Fn(&Prepared) -> Option<String>) -> Option<String> {
+    let said = data.traces.iter().filter_map(|t| Some(format!("{}{}", t.path.display(), what(t)?)));
+    let records: Vec<String> = said.collect();
     let (named, more) = far_off::first_few(&records);
-    (!records.is_empty()).then(|| {
-        format!(
-            "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({}{more})",
-            named.join("; ")
-        )
-    })
+    (!records.is_empty()).then(|| format!("{}{more}", named.join("; ")))
 }
 
 /// Whether the rig states a slower readout than the records show.

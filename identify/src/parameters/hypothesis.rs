@@ -15,6 +15,7 @@ use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use chamber::real::Real;
 use chamber::simulate::Start;
 use chamber::{Chamber, HeatTransfer};
+use nalgebra::{DMatrix, DVector};
 
 /// Rows by which a position may be early at the most: what has passed a digital filter is, by half of the filter's step, which is no
 /// longer than a row. With more than that, low-pass and delay together would smooth like an average, without any delay.
@@ -119,6 +120,20 @@ impl Hypothesis {
             set(&mut chamber, axis, *x);
         }
         chamber
+    }
+
+    /// Adds what is known of the stated numbers, each so many times, to the normal equations of the free numbers and these behind them.
+    pub fn add_priors_of_stated(
+        &self,
+        matrix: &mut DMatrix<f64>,
+        right: &mut DVector<f64>,
+        times: impl Fn(usize) -> f64,
+    ) {
+        for (k, axis) in self.stated.iter().enumerate() {
+            let (place, times) = (self.axes.len() + k, times(k));
+            matrix[(place, place)] += times;
+            right[place] += times * axis.mean();
+        }
     }
 
     /// Unit of a number of the rig: a curve's is that of what it is.

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::record::readout::Readout;
 use crate::record::saturation::{self, End};
+use crate::record::scatter::smallest_change;
 use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::unit::Declared;
 use records::{Cylinder, Line, Trace, correlation, extremes, median};
@@ -118,8 +119,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
         return Ok(());
     }
     // In a short hold the readings of a coarse sensor may all be equal although the gas relaxes.
-    let changes = pressure_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
-    let step_pa = changes.fold(f64::INFINITY, f64::min);
+    let step_pa = smallest_change(pressure_pa);
     // End, position, and the line that the pressure tends to.
     let ends: Vec<(f64, Option<f64>, Line)> = still
         .into_iter()

@@ -8,7 +8,7 @@ use crate::policy;
 use crate::record::data::{Data, Prepared};
 use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
-use crate::record::scatter::scatter;
+use crate::record::scatter::{scatter, smallest_change};
 use crate::record::stroke::{Phase, Segment};
 use records::DEVIATION_OF_MEDIAN;
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -40,8 +40,7 @@ pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usiz
 /// Rows of a rest, the first so many of a record, whose pressure is far from the median of those around it, as measured by their
 /// own scatter or the smallest change between readings, which may be the sensor's step.
 pub fn of_rest(pressure_pa: &[f64], rest: usize) -> Vec<usize> {
-    let changes = pressure_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
-    let smallest_pa = changes.fold(f64::INFINITY, f64::min);
+    let smallest_pa = smallest_change(pressure_pa);
     let own = &pressure_pa[..rest];
     let level_pa = own.iter().sum::<f64>() / rest.max(1) as f64;
     let step_pa = if smallest_pa < COARSEST_STEP * level_pa { smallest_pa } else { 0.0 };
@@ -98,7 +97,7 @@ struct Far {
 
 impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
-        let is_no_data = |i: usize| i < t.readout.starting || t.readout.is_open(i);
+        let is_no_data = |i: usize| t.readout.is_starting(i) || t.readout.is_open(i);
         let is_looked_at =
             |i: usize| t.readout.readings.are_at(i) && !is_no_data(i) && t.spikes.binary_search(&i).is_err();
         let rows: Vec<usize> = (0..residual.len()).filter(|&i| is_looked_at(i)).collect();

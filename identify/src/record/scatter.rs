@@ -1,5 +1,11 @@
 //! The scatter of readings about a smooth course, in their unit.
 
+/// The smallest change from one reading to the next, which may be the sensor's step; infinite where none changes.
+pub fn smallest_change(readings: &[f64]) -> f64 {
+    let changes = readings.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|change| *change > 0.0);
+    changes.fold(f64::INFINITY, f64::min)
+}
+
 /// Standard deviation from the second differences where they are small: noise passes one with the factor √6, a smooth course
 /// hardly at all. Zero of fewer than three readings.
 pub fn scatter(readings: &[f64]) -> f64 {

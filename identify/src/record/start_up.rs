@@ -1,7 +1,7 @@
 //! First readings of a record that have not come to the gas yet: a filter in sensor or logger that began elsewhere, at zero mostly,
 //! and settles within the first half of a rest. Pressures in Pa.
 
-use crate::record::scatter::scatter;
+use crate::record::scatter::{scatter, smallest_change};
 use records::median;
 
 /// A filter that begins nearer to the rest's pressure than this share of it is left alone: gas that is not at rest yet may be as far off.
@@ -23,8 +23,7 @@ pub fn readings(rest_pa: &[f64]) -> usize {
     }
     let (early, late) = rest_pa.split_at(rest_pa.len() / 2);
     let level_pa = median(late.to_vec());
-    let steps = rest_pa.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| *step > 0.0);
-    let near_pa = DEVIATIONS * scatter(late).max(steps.fold(f64::INFINITY, f64::min));
+    let near_pa = DEVIATIONS * scatter(late).max(smallest_change(rest_pa));
     let begins_pa = early[0] - level_pa;
     if begins_pa.abs() < BEGINS_OFF * level_pa {
         return 0;

@@ -8,6 +8,7 @@
 
 use super::{Found, search_as_stated};
 use crate::error::Error;
+use crate::judge::evidence;
 use crate::policy;
 use crate::record::data::Data;
 
@@ -32,10 +33,13 @@ fn is_likelier(found: &Found, there: &Found) -> bool {
 
 /// How many tolerances the gas is off, where the records leave little doubt of it.
 fn asked(found: &Found) -> Option<f64> {
+    if !found.adequacy().is_noise {
+        return None;
+    }
     let fit = &found.reported().fit;
-    let (tolerances, left) = fit.gas_asked().filter(|_| found.adequacy().is_noise)?;
-    let evidence = fit.blocks as f64 * (left / fit.marginal).ln();
-    (evidence > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some(tolerances)
+    let (tolerances, left) = fit.gas_asked()?;
+    let bic = |squares| evidence::of_squares(squares, fit.blocks, 0);
+    (bic(left) - bic(fit.marginal) > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some(tolerances)
 }
 
 #[cfg(test)]

@@ -45,11 +45,17 @@ impl Readout {
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
         self.readings.are_at(row)
-            && row >= self.starting
+            && !self.is_starting(row)
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
             && !self.is_saturated(row)
             && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
+    }
+
+    /// Whether a filter that began elsewhere shows at a row.
+    #[inline]
+    pub fn is_starting(&self, row: usize) -> bool {
+        row < self.starting
     }
 
     /// Whether the sensor is at an end of its range at a row.
