@@ -146,6 +146,13 @@ impl<R: Real> Balances<R> {
         state
     }
 
+    /// [`Effect::decays`](effects::Effect::decays) of the effects in `set`, for each of the first `N` states, 1/s.
+    pub fn decays<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
+        let at = self.conditions(set, boundary, &self.contents(boundary, state));
+        let own = effects::decays(set, &self.chamber.effects, &at);
+        core::array::from_fn(|i| i.checked_sub(OWN).map_or(R::ZERO, |place| own[place]))
+    }
+
     /// What the chamber holds in that state.
     #[inline(always)]
     pub fn contents<const N: usize>(&self, boundary: &Boundary<R>, state: &[R; N]) -> Contents<R> {

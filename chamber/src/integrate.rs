@@ -1,9 +1,9 @@
-//! Adaptive Runge–Kutta integration: the embedded pair of Dormand and Prince, order 5(4), with dense output of order 4.
-//!
-//! Source: J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; dense output and step control of
-//! E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 and II.6.
+//! Adaptive Runge–Kutta integration by the pair of [`crate::tableau`], with dense output. Step control of E. Hairer, S. P. Nørsett and
+//! G. Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 
+use crate::decay::Decay;
 use crate::real::{Real, Scalar};
+use crate::tableau::{A, C, D, E, STAGES};
 use thiserror::Error;
 
 /// A system of N ordinary differential equations.
@@ -56,30 +56,6 @@ pub enum IntegrationError {
     },
 }
 
-const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
-const A: [[f64; 6]; 7] = [
-    [0.0; 6],
-    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
-    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
-    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
-    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-];
-/// Weights of the error estimate: fifth minus fourth order.
-const E: [f64; 7] =
-    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
-/// Weights of the dense output's fourth-order term.
-const D: [f64; 7] = [
-    -12715105075.0 / 11282082432.0,
-    0.0,
-    87487479700.0 / 32700410799.0,
-    -10690763975.0 / 1880347072.0,
-    701980252875.0 / 199316789632.0,
-    -1453857185.0 / 822651844.0,
-    69997945.0 / 29380423.0,
-];
-
 /// Steps that one call of [`Integrator::advance`] may take unless told otherwise.
 pub const MAX_STEPS: usize = 1_000_000;
 const SAFETY: f64 = 0.9;
@@ -97,16 +73,24 @@ pub struct Step<R, const N: usize> {
     pub length: f64,
     start: [R; N],
     end: [R; N],
-    slopes: [[R; N]; 7],
+    /// Slopes in its stages; of a state that decays by itself what drives it.
+    slopes: [[R; N]; STAGES],
+    /// Which states decay by themselves.
+    decays: [bool; N],
 }
 
 impl<R: Real, const N: usize> Step<R, N> {
-    /// The states in between, as polynomials of time: Hairer's continuous extension, fourth order.
+    /// The states in between, as polynomials of time: Hairer's continuous extension, fourth order; of a state that decays by itself
+    /// the straight line between its ends.
     #[inline]
     pub fn dense(&self) -> Dense<R, N> {
         let mut terms = [[R::ZERO; N]; 5];
         for i in 0..N {
             let difference = self.end[i] - self.start[i];
+            (terms[0][i], terms[1][i]) = (self.start[i], difference);
+            if self.decays[i] {
+                continue;
+            }
             let begin = self.slopes[0][i] * self.length - difference;
             let mut fourth = R::ZERO;
             for (slope, weight) in self.slopes.iter().zip(D) {
@@ -114,10 +98,8 @@ impl<R: Real, const N: usize> Step<R, N> {
                     fourth += slope[i] * (weight * self.length);
                 }
             }
-            terms[0][i] = self.start[i];
-            terms[1][i] = difference;
             terms[2][i] = begin;
-            terms[3][i] = difference - self.slopes[6][i] * self.length - begin;
+            terms[3][i] = difference - self.slopes[STAGES - 1][i] * self.length - begin;
             terms[4][i] = fourth;
         }
         Dense { from: self.from, per_length: 1.0 / self.length, terms }
@@ -136,18 +118,22 @@ impl<R: Real, const N: usize> Step<R, N> {
     /// One of no length, from these states with these slopes. The next is written over it, and so on: with derivatives a step is
     /// too large to be moved about.
     #[inline]
-    fn at(start: [R; N], slope: [R; N]) -> Self {
-        let mut slopes = [[R::ZERO; N]; 7];
-        slopes[0] = slope;
-        Self { from: 0.0, length: 0.0, start, end: start, slopes }
+    fn at(start: [R; N], slope: [R; N], decays: &[Decay]) -> Self {
+        let slopes = [[R::ZERO; N]; STAGES];
+        let mut step = Self { from: 0.0, length: 0.0, start, end: start, slopes, decays: [false; N] };
+        step.slopes[0] = slope;
+        leave_out_decays(&mut step.slopes[0], &start, decays);
+        decays.iter().for_each(|decay| step.decays[decay.state] = true);
+        step
     }
 
     /// Takes it from its start at a time, s, over a length, s.
     #[inline]
-    fn attempt(&mut self, system: &impl System<R, N>, from: f64, length: f64) {
+    fn attempt(&mut self, system: &impl System<R, N>, from: f64, length: f64, decays: &mut [Decay]) {
         (self.from, self.length) = (from, length);
+        decays.iter_mut().for_each(|decay| decay.prepare(length));
         let Self { start, end, slopes, .. } = self;
-        for stage in 1..7 {
+        for stage in 1..STAGES {
             // State by state: the sum stays in registers, however many derivatives a number has.
             for i in 0..N {
                 let mut sum = slopes[0][i] * A[stage][0];
@@ -156,7 +142,16 @@ impl<R: Real, const N: usize> Step<R, N> {
                 }
                 end[i] = start[i] + sum * length;
             }
+            for decay in decays.iter() {
+                let (i, weights) = (decay.state, &decay.weights[stage]);
+                let mut sum = slopes[0][i] * weights[0];
+                for j in 1..stage {
+                    sum += slopes[j][i] * weights[j];
+                }
+                end[i] = start[i] * decay.kept[stage] + sum * length;
+            }
             slopes[stage] = system.rates(from + C[stage] * length, end);
+            leave_out_decays(&mut slopes[stage], end, decays);
         }
     }
 
@@ -164,7 +159,15 @@ impl<R: Real, const N: usize> Step<R, N> {
     #[inline]
     fn go_on(&mut self) {
         self.start = self.end;
-        self.slopes[0] = self.slopes[6];
+        self.slopes[0] = self.slopes[STAGES - 1];
+    }
+}
+
+/// What drives states that decay by themselves, from the slopes of all.
+#[inline]
+fn leave_out_decays<R: Real, const N: usize>(slopes: &mut [R; N], states: &[R; N], decays: &[Decay]) {
+    for decay in decays {
+        slopes[decay.state] += states[decay.state] * decay.rate;
     }
 }
 
@@ -205,12 +208,21 @@ pub struct Integrator<R, const N: usize> {
     /// Steps that one call of [`Integrator::advance`] may take.
     pub max_steps: usize,
     tolerance: Tolerance<N>,
+    decays: Vec<Decay>,
 }
 
 impl<R: Scalar, const N: usize> Integrator<R, N> {
     /// At `time` with these states.
     pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
-        Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance }
+        Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance, decays: Vec::new() }
+    }
+
+    /// The same of states that decay at these rates, 1/s, by themselves, zero where they do not: taken exactly ([`crate::decay`]), so
+    /// that fast ones do not make the steps short.
+    pub fn with_decays(mut self, rates: [f64; N]) -> Self {
+        let decaying = rates.into_iter().enumerate().filter(|(_, rate)| *rate > 0.0);
+        self.decays = decaying.map(|(state, rate)| Decay::new(state, rate)).collect();
+        self
     }
 
     /// Integrates to `end`, s, over a stretch on which the system is smooth but for its corners; hands each accepted step to
@@ -245,7 +257,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         if end <= self.time {
             return Ok(());
         }
-        let mut step = Step::at(self.state, system.rates(self.time, &self.state));
+        let mut step = Step::at(self.state, system.rates(self.time, &self.state), &self.decays);
         if self.step <= 0.0 {
             self.step = self.first_step(&step.slopes[0], end);
         }
@@ -258,12 +270,12 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             let mut is_last = length >= left * (1.0 - 1e-12);
             // Two even steps rather than one whole and a sliver.
             let mut h = if is_last { left } else { length.min(0.5 * left) };
-            step.attempt(system, self.time, h);
+            step.attempt(system, self.time, h, &mut self.decays);
             let mut error = self.error(&step);
             let corner = if error <= most { system.corner(&step) } else { None };
             if let Some(at) = corner {
                 (is_last, h) = (false, at - self.time);
-                step.attempt(system, self.time, h);
+                step.attempt(system, self.time, h, &mut self.decays);
                 error = self.error(&step);
             }
             if error <= most {
@@ -299,6 +311,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
                 sums[i] += weight * slope[i].value();
             }
         }
+        self.decays.iter().for_each(|decay| sums[decay.state] *= decay.left);
         let mut worst: f64 = 0.0;
         for (i, sum) in sums.into_iter().enumerate() {
             let size = step.start[i].value().abs().max(step.end[i].value().abs());
@@ -358,6 +371,39 @@ mod tests {
         let mut run = Integrator::new(0.0, [0.0], Tolerance { relative: 1e-3, absolute: [1e-3] });
         run.advance(&|t: f64, _: &[f64; 1]| [5.0 * t.powi(4)], 2.0, |_| ()).unwrap();
         assert!((run.state[0] - 32.0).abs() < 1e-13 * 32.0, "{}", run.state[0]);
+    }
+
+    /// A gas that cools to a surface which its heat warms, and which forgets that at two rates, 1/s, one of them fast.
+    const FORGETS: [f64; 3] = [0.0, 0.02, 400.0];
+
+    fn cooling(_: f64, y: &[f64; 3]) -> [f64; 3] {
+        let flux = 0.1 * (y[0] - y[1] - y[2]);
+        [-flux, 0.3 * flux - FORGETS[1] * y[1], 9.0 * flux - FORGETS[2] * y[2]]
+    }
+
+    #[test]
+    fn states_that_decay_by_themselves_are_followed_in_steps_longer_than_they_remember() {
+        let run = |relative: f64, rates: [f64; 3]| {
+            let tolerance = Tolerance { relative, absolute: [10.0 * relative; 3] };
+            let mut integrator = Integrator::new(0.0, [50.0, 0.0, 0.0], tolerance).with_decays(rates);
+            let (mut steps, mut within) = (0, Vec::new());
+            integrator
+                .advance(&cooling, 60.0, |step| {
+                    steps += 1;
+                    within.push((step.from + 0.4 * step.length, step.dense().at(step.from + 0.4 * step.length)));
+                })
+                .unwrap();
+            (integrator.state, steps, within)
+        };
+        let (exact, many, _) = run(1e-11, [0.0; 3]);
+        let (state, few, within) = run(3e-7, FORGETS);
+        let off = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off(&state, &exact) < 3e-5 && 100 * few < many, "{state:?} {exact:?} {few} {many}");
+        // Between the ends of a step, too, the forgetful state is next to what drives it.
+        for (time, state) in within.into_iter().filter(|(time, _)| *time > 1.0) {
+            let flux = 0.1 * (state[0] - state[1] - state[2]);
+            assert!((state[2] - 9.0 * flux / FORGETS[2]).abs() < 3e-3, "{time} {state:?}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! | [`gas`], [`geometry`], [`heat_transfer`] | the parts of a chamber |
 //! | [`effects`] | what the paper's model neglects: one effect, one file |
 //! | [`balance`] | equations (1) and (2) as balances of mass and energy |
-//! | [`integrate`] | adaptive Dormand–Prince 5(4) with dense output |
+//! | [`integrate`], [`tableau`], [`decay`] | adaptive Dormand–Prince 5(4) with dense output; states that decay by themselves |
 //! | [`record`] | following a chamber along its inputs, and its sensor's readings |
 //! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
 //! | [`exact`] | closed forms of the closed chamber |
@@ -23,6 +23,7 @@
 pub mod balance;
 pub mod card;
 mod corner;
+pub mod decay;
 pub mod dual;
 pub mod effects;
 pub mod exact;
@@ -37,6 +38,7 @@ pub mod record;
 pub mod seven_steps;
 pub mod signals;
 pub mod simulate;
+pub mod tableau;
 pub mod unaveraged;
 pub mod words;
 

@@ -69,6 +69,10 @@ impl Effect for DecayingTurbulence {
     fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, _: &Flows<R>, _: &Rates<R>, out: &mut [R]) {
         out[0] = (at.velocity.abs() - own[0]) / p[1];
     }
+
+    fn decays<R: Real>(p: &[R], _: &Conditions<R>, out: &mut [R]) {
+        out[0] = p[1].recip();
+    }
 }
 
 #[cfg(test)]

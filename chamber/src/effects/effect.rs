@@ -130,6 +130,11 @@ pub trait Effect {
         R::ZERO
     }
 
+    /// Rates, 1/s, at which its own states decay by themselves: part of what each changes by is −rate × state, whatever else happens. An
+    /// integrator may take that part exactly ([`crate::decay`]), so that its steps are not the shorter the faster a state decays. The rates
+    /// are those at the start of a run; `out` is zero.
+    fn decays<R: Real>(_p: &[R], _at: &Conditions<R>, _out: &mut [R]) {}
+
     /// Rates of its own states, per second.
     #[inline(always)]
     fn own_rates<R: Real>(

@@ -81,6 +81,13 @@ impl Effect for GasZones {
         out[0] = received * at.per_mass / (share * at.cp);
     }
 
+    /// Towards the mean temperature: what the core gains the rest has lost.
+    fn decays<R: Real>(p: &[R], at: &Conditions<R>, out: &mut [R]) {
+        let (fraction, conductance) = (p[0], p[1]);
+        let share = fraction.where_positive(fraction, R::ONE);
+        out[0] = fraction.where_positive(conductance * at.per_mass / (share * (R::ONE - fraction) * at.cp), R::ZERO);
+    }
+
     /// The core is compressed by the pressure that the heat makes at the same volume.
     fn heated<R: Real>(_: &[R], at: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
         let rise = at.expansion * heat * at.per_volume;

@@ -59,6 +59,15 @@ macro_rules! effects {
             product
         }
 
+        /// [`Effect::decays`] of the effects in `set`, 1/s; zero of all other own states.
+        pub fn decays<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>) -> [R; OWN_STATES] {
+            let mut out = [R::ZERO; OWN_STATES];
+            $(if set.has($module::$name::INDEX) {
+                $module::$name::decays($module::$name::values(values), at, $module::$name::own_mut(&mut out));
+            })*
+            out
+        }
+
         /// [`Effect::temperature`] of the effects in `set`, K.
         #[inline(always)]
         pub fn temperature<R: Real>(set: EffectSet, values: &EffectValues<R>, by_energy: R) -> R {
@@ -453,6 +462,8 @@ pub type EffectConstants<R = f64> = [R; COUNT];
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::balance::{Balances, Boundary, OWN};
+    use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
     #[test]
     fn cards_state_neutral_values_within_their_bounds_and_typical_ones_that_are_not_neutral() {
@@ -463,6 +474,39 @@ mod tests {
                 assert!(p.neutral != p.typical || !p.fitted, "{}.{}", card.name, p.name);
                 assert!(!p.doc.is_empty() && !p.doc.ends_with('.'), "{}.{}", card.name, p.name);
             }
+        }
+    }
+
+    #[test]
+    fn own_states_decay_by_themselves_as_their_cards_state() {
+        let chamber = Chamber::new(
+            Gas::AIR,
+            Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total),
+            HeatTransfer::at_paper_reference(0.0),
+        );
+        let mut balance = Balances::of(chamber);
+        for (i, card) in all() {
+            let typical = card.parameters.iter().map(|parameter| parameter.typical);
+            balance.chamber.effects.of_mut(i).iter_mut().zip(typical).for_each(|(value, typical)| *value = typical);
+        }
+        balance.work_out();
+        let boundary = Boundary::closed(0.05, 293.0, 1.013e5);
+        let at = |set| {
+            let states = balance.state_at(set, &boundary, 2e5, 293.0);
+            (states, balance.decays(set, &boundary, &states))
+        };
+        let (states, decays) = at(EffectSet::ALL);
+        let decaying: Vec<usize> = (OWN..states.len()).filter(|i| decays[*i] > 0.0).collect();
+        assert_eq!(decaying.len(), 3 + wall_conduction::MODES);
+        for i in decaying {
+            let set = all().map(|(e, _)| e).find(|e| OWN + STATE_OFFSETS[e + 1] > i).map(EffectSet::one).unwrap();
+            let (states, decays) = at(set);
+            let rate = |warmer: f64| {
+                let mut states = states;
+                states[i] += warmer;
+                balance.rates(set, &boundary, &states)[i]
+            };
+            assert!((rate(2.0) - rate(0.0) + 2.0 * decays[i]).abs() < 1e-9 * decays[i], "{i}");
         }
     }
 

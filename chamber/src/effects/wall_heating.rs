@@ -71,6 +71,11 @@ impl Effect for WallHeating {
         out[0] = capacity.where_positive(heating / safe_capacity, R::ZERO);
     }
 
+    fn decays<R: Real>(p: &[R], _: &Conditions<R>, out: &mut [R]) {
+        let (capacity, conductance) = (p[0], p[1]);
+        out[0] = capacity.where_positive(conductance / capacity.where_positive(capacity, R::ONE), R::ZERO);
+    }
+
     fn heated<R: Real>(p: &[R], _: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
         let capacity = p[0];
         let safe_capacity = capacity.where_positive(capacity, R::ONE);

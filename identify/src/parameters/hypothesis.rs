@@ -312,10 +312,13 @@ fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2])
         // By more than rounding within what its card allows.
         return (true, size, [(low / size).ln() + f64::EPSILON.sqrt(), (high / size).ln() - f64::EPSILON.sqrt()]);
     }
-    if matches!(parameter.unit, Unit::WattPerKelvin | Unit::SquareMetre) {
-        // Beyond this a conductance holds both its sides at one temperature and only makes the model stiff, and the bore's area is
-        // nothing beside an additional one, of which only the product with λ0 counts.
-        high = high.min(300.0 * size);
+    match parameter.unit {
+        // Beyond this a conductance, that of the gas to its wall times so many, holds both its sides at one temperature and only makes
+        // the model stiff.
+        Unit::WattPerKelvin => high = high.min(30.0 * size),
+        // And the bore's area is nothing beside an additional one, of which only the product with λ0 counts.
+        Unit::SquareMetre => high = high.min(300.0 * size),
+        _ => {}
     }
     (false, size, [low / size, high / size])
 }
@@ -379,6 +382,13 @@ mod tests {
         let allowed = &card.parameters[1].bounds;
         assert!(allowed.contains(&least) && allowed.contains(&most), "{least} {most}");
         assert!(least < 1.001 * allowed.start() && most > 0.999 * allowed.end(), "{least} {most}");
+    }
+
+    #[test]
+    fn gas_zones_exchange_heat_no_faster_than_shows() {
+        let (conductance, sizes) = last_axis(find("gas_zones").unwrap().0);
+        let most_w_per_k = conductance.value(conductance.bounds[1]);
+        assert!((most_w_per_k * sizes.relaxation / sizes.gas_capacity - 30.0).abs() < 1e-9, "{most_w_per_k}");
     }
 
     #[test]

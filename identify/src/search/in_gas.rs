@@ -45,6 +45,7 @@ fn asked(found: &Found) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::covariance;
     use crate::search::{Verdict, baseline};
     use crate::synthetic::Recipe;
     use chamber::effects::EffectSet;
@@ -87,6 +88,23 @@ mod tests {
         // The paper's model is what is reported there.
         let there = Found { verdict: Verdict::Unexplained, ..found.clone() };
         assert!(is_likelier(&found, &there) && !is_likelier(&found, &found));
+    }
+
+    #[test]
+    fn a_gas_counts_with_its_whole_tolerance_until_it_was_moved_to_where_the_records_ask_for_it() {
+        let data = Data::prepare(&in_gas_off_by(1.5).rig()).unwrap();
+        let variance_by_gas = |tolerances: f64| {
+            let (_, fit) = baseline::fitted(data.clone().in_gas_moved(tolerances)).unwrap();
+            let share = |(name, share): (String, f64)| (name == "heat_capacity_ratio").then_some(share);
+            let share = covariance::budget(&fit, 0, true).into_iter().find_map(share).unwrap();
+            share * covariance::covariance(&fit, true)[(0, 0)]
+        };
+        let [stated, moved] = [0.0, -1.5].map(variance_by_gas);
+        assert!(moved < 0.1 * stated, "{moved:e} {stated:e}");
+        // A tolerance of γ moves λ0 by about this in a fit, in its logarithm.
+        let by_tolerance = |sign: f64| baseline::fitted(data.clone().in_gas_moved(sign)).unwrap().1.rig[0];
+        let slope = 0.5 * (by_tolerance(0.5) - by_tolerance(-0.5)) / 0.5;
+        assert!((stated.sqrt() / slope.abs() - 1.0).abs() < 0.2, "{} {slope}", stated.sqrt());
     }
 
     #[test]

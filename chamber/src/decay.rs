@@ -1,0 +1,166 @@
+//! A state that decays by itself, taken exactly within the stages of [`crate::tableau`].
+//!
+//! dx/dt = d(t) − μ x with μ constant leads from x(0) to x(c h) = e^(−μ c h) x(0) + ∫ e^(−μ (c h − s)) d(s) ds, s from 0 to c h. The
+//! pair takes ∫ d ds = h Σ a_j d_j, of which the moments Σ a_j c_j^k are those of powers of s. Here each of them is less by what the
+//! decay leaves of it:
+//!
+//! Σ a_j(μ) c_j^k = φ_k(μ c h) Σ a_j c_j^k,  φ_k(z) = (k + 1) ∫ e^(−z (1 − s)) s^k ds, s from 0 to 1
+//!
+//! With μ = 0 the weights are the pair's own, and for d that changes slowly the state is right however large μ h is: steps are as
+//! long as d and the other states allow, where an explicit method needs μ h < 3.3. Source of such methods: M. Hochbruck and A. Ostermann,
+//! Acta Numerica 19 (2010) 209. Times in s, μ in 1/s.
+
+use crate::tableau::{A, C, STAGES};
+
+/// Powers of s that the weights of a stage know at most.
+const MOMENTS: usize = 5;
+
+/// How the weights of each stage follow from its φ_k: of a slope, by k.
+const BY_MOMENT: [[[f64; MOMENTS]; STAGES - 1]; STAGES] = {
+    let mut out = [[[0.0; MOMENTS]; STAGES - 1]; STAGES];
+    let mut stage = 1;
+    while stage < STAGES {
+        let mut j = 0;
+        while j < stage {
+            if A[stage][j] != 0.0 {
+                let of_power = lagrange(stage, j);
+                let mut k = 0;
+                while k < MOMENTS {
+                    out[stage][j][k] = of_power[k] * moment(stage, k);
+                    k += 1;
+                }
+            }
+            j += 1;
+        }
+        stage += 1;
+    }
+    out
+};
+
+/// Σ a_j c_j^k of a stage.
+const fn moment(stage: usize, k: usize) -> f64 {
+    let mut sum = 0.0;
+    let mut j = 0;
+    while j < stage {
+        let mut term = A[stage][j];
+        let mut power = 0;
+        while power < k {
+            term *= C[j];
+            power += 1;
+        }
+        sum += term;
+        j += 1;
+    }
+    sum
+}
+
+/// Coefficients of the polynomial that is one at the j-th of the slopes that a stage uses, and zero at the others.
+const fn lagrange(stage: usize, j: usize) -> [f64; MOMENTS] {
+    let mut out = [0.0; MOMENTS];
+    out[0] = 1.0;
+    let mut i = 0;
+    while i < stage {
+        if i != j && A[stage][i] != 0.0 {
+            let scale = 1.0 / (C[j] - C[i]);
+            let mut k = MOMENTS - 1;
+            while k > 0 {
+                out[k] = (out[k - 1] - C[i] * out[k]) * scale;
+                k -= 1;
+            }
+            out[0] *= -C[i] * scale;
+        }
+        i += 1;
+    }
+    out
+}
+
+/// φ_k(z), and e^(−z).
+fn phi(z: f64) -> ([f64; MOMENTS], f64) {
+    /// From here on the recursion that divides by z is stable.
+    const LARGE: f64 = 1.5;
+    let kept = (-z).exp();
+    // Without their factor k + 1 first: ∫ e^(−z (1 − s)) s^k ds = (1 − k × the one before)/z.
+    let mut out = [0.0; MOMENTS];
+    if z >= LARGE {
+        out[0] = (1.0 - kept) / z;
+        for k in 1..MOMENTS {
+            out[k] = (1.0 - k as f64 * out[k - 1]) / z;
+        }
+    } else {
+        let mut term = 1.0 / MOMENTS as f64;
+        let mut m = MOMENTS as f64;
+        while term.abs() > f64::EPSILON * 1e-2 {
+            out[MOMENTS - 1] += term;
+            m += 1.0;
+            term *= -z / m;
+        }
+        for k in (1..MOMENTS).rev() {
+            out[k - 1] = (1.0 - z * out[k]) / k as f64;
+        }
+    }
+    (0..MOMENTS).for_each(|k| out[k] *= (k + 1) as f64);
+    (out, kept)
+}
+
+/// One state that decays, and the weights of a step's stages.
+#[derive(Clone, Copy, Debug)]
+pub struct Decay {
+    /// Its place among the states.
+    pub state: usize,
+    /// μ, 1/s.
+    pub rate: f64,
+    /// What a stage keeps of it.
+    pub kept: [f64; STAGES],
+    /// Weights of what drives it in the stages before.
+    pub weights: [[f64; STAGES - 1]; STAGES],
+    /// How much of a change of what drives it a whole step leaves in it.
+    pub left: f64,
+}
+
+impl Decay {
+    /// Of the state at this place, for no step yet.
+    pub fn new(state: usize, rate: f64) -> Self {
+        Self { state, rate, kept: [1.0; STAGES], weights: A, left: 1.0 }
+    }
+
+    /// Works the weights out for a step of a length, s.
+    pub fn prepare(&mut self, length: f64) {
+        for stage in 1..STAGES {
+            let (phi, kept) = phi(self.rate * C[stage] * length);
+            self.kept[stage] = kept;
+            for (weight, by_moment) in self.weights[stage].iter_mut().zip(&BY_MOMENT[stage]) {
+                *weight = by_moment.iter().zip(phi).map(|(by, phi)| by * phi).sum();
+            }
+            self.left = phi[0];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_decay_the_weights_are_those_of_the_pair() {
+        let mut decay = Decay::new(0, 0.0);
+        decay.prepare(0.3);
+        let off = |stage: usize, j: usize| (decay.weights[stage][j] - A[stage][j]).abs();
+        let worst = (0..STAGES).flat_map(|s| (0..STAGES - 1).map(move |j| off(s, j))).fold(0.0, f64::max);
+        assert!(worst < 1e-13 && decay.kept == [1.0; STAGES] && decay.left == 1.0, "{worst:e}");
+    }
+
+    #[test]
+    fn what_drives_the_state_as_a_polynomial_of_fourth_degree_is_followed_exactly_however_fast_it_decays() {
+        for rate in [1e-4, 0.7, 1.49, 1.51, 40.0, 1e4] {
+            let mut decay = Decay::new(0, rate);
+            decay.prepare(1.0);
+            // x = 1 + 2 t − t⁴/2 + 3 e^(−μ t) is driven by dx/dt + μ x.
+            let x = |t: f64| 1.0 + 2.0 * t - 0.5 * t.powi(4) + 3.0 * (-rate * t).exp();
+            let drive = |t: f64| 2.0 - 2.0 * t.powi(3) + rate * (1.0 + 2.0 * t - 0.5 * t.powi(4));
+            let last = STAGES - 1;
+            let driven: f64 = (0..last).map(|j| decay.weights[last][j] * drive(C[j])).sum();
+            let off = decay.kept[last] * x(0.0) + driven - x(1.0);
+            assert!(off.abs() < 1e-12, "{rate}: {off:e}");
+        }
+    }
+}
