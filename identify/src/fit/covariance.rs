@@ -61,15 +61,25 @@ pub const NORMAL_95: f64 = 1.959_963_985;
 /// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.
 /// The values do not move with the stated numbers, so that what the records tell of those does not make them better.
 pub fn covariance(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
+    of_all(fit, is_adequate, |parts| &parts.records + &parts.by_stated * parts.by_stated.transpose())
+}
+
+/// The same of the records alone: how far the values may be off in another recording of the same tests.
+pub fn by_records(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
+    of_all(fit, is_adequate, |parts| parts.records.clone())
+}
+
+/// A covariance of the coordinates that are not at a bound, as one of all.
+fn of_all(fit: &Fit, is_adequate: bool, of: impl Fn(&Parts) -> DMatrix<f64>) -> DMatrix<f64> {
     let n = fit.rig.len();
     let Some(parts) = Parts::of(fit, is_adequate) else {
         return DMatrix::from_diagonal_element(n, n, f64::INFINITY);
     };
-    let sum = &parts.records + &parts.by_stated * parts.by_stated.transpose();
+    let among_free = of(&parts);
     let mut out = DMatrix::zeros(n, n);
     for (i, &row) in parts.free.iter().enumerate() {
         for (j, &column) in parts.free.iter().enumerate() {
-            out[(row, column)] = sum[(i, j)];
+            out[(row, column)] = among_free[(i, j)];
         }
     }
     out

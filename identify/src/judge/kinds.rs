@@ -11,13 +11,15 @@ use crate::policy;
 use crate::record::data::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Whether some effect that the records have for themselves follows the kind of test, beyond what its own uncertainty allows.
+/// Whether some effect that the records have for themselves follows the kind of test, beyond what their noise allows. The stated numbers
+/// are where the records ask for them: what these are off by makes all records of a kind differ alike.
 pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
     let effects = fit.hypothesis.own.len();
     if effects == 0 {
         return false;
     }
-    let rig = covariance::covariance(fit, false);
+    let rig = covariance::by_records(fit, false);
+    let numbers: Vec<Vec<f64>> = (0..data.traces.len()).map(|k| fit.own_moved(data, k)).collect();
     let deviations: Vec<Option<Vec<f64>>> = (0..data.traces.len())
         .map(|k| Some(covariance::of_record(fit, k, &rig)?.diagonal().iter().map(|v| v.sqrt()).collect()))
         .collect();
@@ -26,7 +28,7 @@ pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
         let last = |x: &[f64]| x[x.len() - from_end];
         let mut kinds: Vec<Vec<f64>> = vec![Vec::new(); data.experiments.len()];
         let mut uncertainty = 0f64;
-        for ((t, own), deviation) in data.traces.iter().zip(&fit.own).zip(&deviations) {
+        for ((t, own), deviation) in data.traces.iter().zip(&numbers).zip(&deviations) {
             kinds[t.experiment].push(last(own));
             uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| last(d)));
         }
@@ -68,6 +70,29 @@ fn one_way(kinds: &[Vec<f64>]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::{Model, Sizes};
+    use crate::search::{baseline, starts};
+    use crate::synthetic::{Outside, Recipe};
+    use chamber::effects::{EffectSet, find};
+
+    /// Whether the drifts and initial temperatures of single records follow the test, where a fit has them.
+    fn drifts_follow(recipe: &Recipe) -> bool {
+        let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        let drift = EffectSet::one(find("sensor_drift").unwrap().0);
+        let model = Model { own: drift, initial_temperature: true, ..Model::with(drift) };
+        let fit = starts::fit_model(&data, model, &paper, &Sizes::of(&data, &paper.chamber())).unwrap();
+        follows_the_test(&data, &fit)
+    }
+
+    #[test]
+    fn drifts_that_stand_for_heat_of_friction_follow_the_test_and_those_of_a_wrong_bore_or_of_the_sensor_do_not() {
+        let recipe = Recipe { repeats: 3, ..Recipe::from_seed(5) };
+        assert!(drifts_follow(&Recipe { outside: Some(Outside::FrictionHeat(0.2)), ..recipe.clone() }));
+        assert!(!drifts_follow(&recipe));
+        let mut wrong_bore = recipe;
+        wrong_bore.faults.stated.bore_times = 1.005;
+        assert!(!drifts_follow(&wrong_bore));
+    }
 
     #[test]
     fn the_probability_is_that_of_scipy() {
