@@ -125,14 +125,19 @@ impl Decay {
 
     /// Works the weights out for a step of a length, s.
     pub fn prepare(&mut self, length: f64) {
+        let mut of_stage = ([1.0; MOMENTS], 1.0);
         for stage in 1..STAGES {
-            let (phi, kept) = phi(self.rate * C[stage] * length);
+            // The last two stages are both at the end.
+            if C[stage] != C[stage - 1] {
+                of_stage = phi(self.rate * C[stage] * length);
+            }
+            let (phi, kept) = of_stage;
             self.kept[stage] = kept;
             for (weight, by_moment) in self.weights[stage].iter_mut().zip(&BY_MOMENT[stage]) {
                 *weight = by_moment.iter().zip(phi).map(|(by, phi)| by * phi).sum();
             }
-            self.left = phi[0];
         }
+        self.left = of_stage.0[0];
     }
 }
 

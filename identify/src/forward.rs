@@ -421,6 +421,23 @@ mod tests {
         (times, course)
     }
 
+    /// How far pressures by the first tolerance are off those by the second at the most, relative to them, and the first one's steps.
+    fn coarse_from_fine(
+        chamber: &Chamber,
+        set: EffectSet,
+        times: &[f64],
+        course: &Course,
+        tolerances: [f64; 2],
+    ) -> (f64, usize) {
+        let start = Start { pressure: 2e5, temperature: 293.0 };
+        let [(coarse, mesh), (fine, _)] = tolerances.map(|relative_tolerance| {
+            Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
+                .pressures_along(times, &Mesh::default())
+                .unwrap()
+        });
+        (coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max), mesh.steps())
+    }
+
     #[test]
     fn no_step_passes_over_a_push_however_long_the_hold_before_it() {
         let chamber = chamber();
@@ -429,15 +446,7 @@ mod tests {
             // A push of few rows among those of rest that widen it, at another place in them each time.
             let (begin, duration) = (3.0 + 0.0021 * f64::from(number), 0.02 + 0.01 * f64::from(number % 4));
             let (times, course) = recorded(600, |t| push((t - begin) / duration) + 2e-6 * random.normal());
-            let pressures = |relative_tolerance: f64| {
-                let start = Start { pressure: 2e5, temperature: 293.0 };
-                let (chamber, course, set) = (&chamber, &course, EffectSet::NONE);
-                Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
-                    .pressures(&times)
-                    .unwrap()
-            };
-            let (coarse, fine) = (pressures(3e-7), pressures(1e-11));
-            let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            let (off, _) = coarse_from_fine(&chamber, EffectSet::NONE, &times, &course, [3e-7, 1e-11]);
             assert!(off < 1e-3, "{begin} {duration}: {off:e}");
         }
     }
@@ -456,15 +465,7 @@ mod tests {
                     chamber.effects.of_mut(effect)[..values.len()].copy_from_slice(&values);
                     set = set.union(EffectSet::one(effect));
                 }
-                let pressures = |relative_tolerance: f64| {
-                    let start = Start { pressure: 2e5, temperature: 293.0 };
-                    let (chamber, course) = (&chamber, &course);
-                    Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
-                        .pressures(&times)
-                        .unwrap()
-                };
-                let (coarse, fine) = (pressures(1e-6), pressures(1e-12));
-                let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+                let (off, _) = coarse_from_fine(&chamber, set, &times, &course, [1e-6, 1e-12]);
                 assert!(off < 3e-5, "{duration} {window} {filter}: {off:e}");
             }
         }
@@ -480,16 +481,8 @@ mod tests {
             let mut chamber = chamber();
             let effect = effects::find(name).unwrap().0;
             chamber.effects.of_mut(effect)[..values.len()].copy_from_slice(&values);
-            let along = |relative_tolerance: f64| {
-                let start = Start { pressure: 2e5, temperature: 293.0 };
-                let (chamber, course, set) = (&chamber, &course, EffectSet::one(effect));
-                Run { chamber, set, start, correction: Correction::NONE, course, relative_tolerance }
-                    .pressures_along(&times, &Mesh::default())
-                    .unwrap()
-            };
-            let ((coarse, mesh), (fine, _)) = (along(3e-7), along(1e-11));
-            let off = coarse.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
-            assert!(off < 3e-6 && mesh.steps() < 200, "{name}: {off:e} in {} steps", mesh.steps());
+            let (off, steps) = coarse_from_fine(&chamber, EffectSet::one(effect), &times, &course, [3e-7, 1e-11]);
+            assert!(off < 3e-6 && steps < 200, "{name}: {off:e} in {steps} steps");
         }
     }
 

@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn own_states_decay_by_themselves_as_their_cards_state() {
+    fn own_states_decay_by_themselves_at_the_rates_that_their_effects_state() {
         let chamber = Chamber::new(
             Gas::AIR,
             Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total),

@@ -13,6 +13,13 @@ use crate::real::Real;
 /// Lumped wall capacity.
 pub struct WallHeating;
 
+/// A number over the wall's capacity; zero where that is off.
+#[inline(always)]
+fn by_capacity<R: Real>(p: &[R], number: R) -> R {
+    let capacity = p[0];
+    capacity.where_positive(number / capacity.where_positive(capacity, R::ONE), R::ZERO)
+}
+
 impl Effect for WallHeating {
     const CARD: Card = Card {
         name: "wall_heating",
@@ -65,20 +72,14 @@ impl Effect for WallHeating {
 
     #[inline(always)]
     fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, _: &Flows<R>, rates: &Rates<R>, out: &mut [R]) {
-        let (capacity, conductance) = (p[0], p[1]);
-        let heating = conductance * (at.ambient_temperature - own[0]) - rates.heat_flow;
-        let safe_capacity = capacity.where_positive(capacity, R::ONE);
-        out[0] = capacity.where_positive(heating / safe_capacity, R::ZERO);
+        out[0] = by_capacity(p, p[1] * (at.ambient_temperature - own[0]) - rates.heat_flow);
     }
 
     fn decays<R: Real>(p: &[R], _: &Conditions<R>, out: &mut [R]) {
-        let (capacity, conductance) = (p[0], p[1]);
-        out[0] = capacity.where_positive(conductance / capacity.where_positive(capacity, R::ONE), R::ZERO);
+        out[0] = by_capacity(p, p[1]);
     }
 
     fn heated<R: Real>(p: &[R], _: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
-        let capacity = p[0];
-        let safe_capacity = capacity.where_positive(capacity, R::ONE);
-        own[0] -= capacity.where_positive(heat / safe_capacity, R::ZERO);
+        own[0] -= by_capacity(p, heat);
     }
 }

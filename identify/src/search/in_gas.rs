@@ -102,8 +102,8 @@ mod tests {
         let [stated, moved] = [0.0, -1.5].map(variance_by_gas);
         assert!(moved < 0.1 * stated, "{moved:e} {stated:e}");
         // A tolerance of γ moves λ0 by about this in a fit, in its logarithm.
-        let by_tolerance = |sign: f64| baseline::fitted(data.clone().in_gas_moved(sign)).unwrap().1.rig[0];
-        let slope = 0.5 * (by_tolerance(0.5) - by_tolerance(-0.5)) / 0.5;
+        let by_tolerance = |moved: f64| baseline::fitted(data.clone().in_gas_moved(moved)).unwrap().1.rig[0];
+        let slope = by_tolerance(0.5) - by_tolerance(-0.5);
         assert!((stated.sqrt() / slope.abs() - 1.0).abs() < 0.2, "{} {slope}", stated.sqrt());
     }
 
