@@ -19,12 +19,7 @@ const SOURCES: [&str; 4] = ["chamber/src", "fmu/cdylib/src", "fmu/src", "modelDe
 fn main() {
     let root = PathBuf::from(variable("CARGO_MANIFEST_DIR"));
     for source in SOURCES.iter().chain(&[
-        "build.rs",
-        "Cargo.toml",
-        "fmu/binaries",
-        "fmu/Cargo.toml",
-        "fmu/cdylib/Cargo.toml",
-        "chamber/Cargo.toml",
+        "build.rs", "Cargo.toml", "fmu/binaries", "fmu/Cargo.toml", "fmu/cdylib/Cargo.toml", "chamber/Cargo.toml",
     ]) {
         println!("cargo::rerun-if-changed={source}");
     }

@@ -64,32 +64,10 @@ fn a_rig_is_read_or_refused_in_a_sentence() {
     let folder = folder();
     let path = folder.path().join("rig.toml");
     let words = [
-        "[cylinder]",
-        "bore_m",
-        "rod_m",
-        "area_m2",
-        "chamber = \"rod\"",
-        "stroke_m = 0.1",
-        "[ambient]",
-        "temperature_k",
-        "pressure_pa",
-        "[gas]",
-        "name",
-        "[sensor]",
-        "noise_pa",
-        "[columns]",
-        "unit = \"bar\"",
-        "reference = \"gauge\"",
-        "[format]",
-        "separator = \"whitespace\"",
-        "[[experiment]]",
-        "traces = [\"one.csv\"]",
-        "from_s",
-        "to_s",
-        "dead_volume_m3",
-        "dead_volume_known",
-        "true",
-        "gauge.csv",
+        "[cylinder]", "bore_m", "rod_m", "area_m2", "chamber = \"rod\"", "stroke_m = 0.1", "[ambient]",
+        "temperature_k", "pressure_pa", "[gas]", "name", "[sensor]", "noise_pa", "[columns]", "unit = \"bar\"",
+        "reference = \"gauge\"", "[format]", "separator = \"whitespace\"", "[[experiment]]", "traces = [\"one.csv\"]",
+        "from_s", "to_s", "dead_volume_m3", "dead_volume_known", "true", "gauge.csv",
     ];
     hostile::run("rig", &words, |bytes| {
         std::fs::write(&path, bytes).unwrap();
@@ -120,23 +98,9 @@ fn a_model_is_read_or_refused_in_a_sentence_and_round_trips_exactly() {
     let folder = folder();
     let (path, again) = (folder.path().join("model.toml"), folder.path().join("again.toml"));
     let words = [
-        "[gas]",
-        "name",
-        "[chamber]",
-        "bore_m",
-        "rod_m",
-        "dead_volume_m3",
-        "area_law = \"swept\"",
-        "[heat_transfer]",
-        "coefficient_w_per_m2_k",
-        "reference_pressure_pa",
-        "[effect.leakage]",
-        "conductance_m3_per_s_pa",
-        "[effect.wall_heating]",
-        "capacity_j_per_k",
-        "[effect.sensor_lag]",
-        "time_constant_s",
-        "[provenance]",
+        "[gas]", "name", "[chamber]", "bore_m", "rod_m", "dead_volume_m3", "area_law = \"swept\"", "[heat_transfer]",
+        "coefficient_w_per_m2_k", "reference_pressure_pa", "[effect.leakage]", "conductance_m3_per_s_pa",
+        "[effect.wall_heating]", "capacity_j_per_k", "[effect.sensor_lag]", "time_constant_s", "[provenance]",
         "[ambient]",
     ];
     hostile::run("model", &words, |bytes| {

@@ -114,11 +114,7 @@ impl StatedTolerance {
     pub(crate) fn read(root: &Table<'_>, bore_m: f64) -> Result<Self, Error> {
         let Some(table) = root.table("tolerance")? else { return Ok(Self::default()) };
         table.allow(&[
-            "bore_m",
-            "position_scale",
-            "position_linearity",
-            "position_offset_m",
-            "ambient_temperature_k",
+            "bore_m", "position_scale", "position_linearity", "position_offset_m", "ambient_temperature_k",
             "heat_capacity_ratio",
         ])?;
         let bore = table.number("bore_m", &BORE_BOUNDS)?;

@@ -16,12 +16,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Names of what a fit may free beside the effects' parameters.
 const OF_RIG: [&str; 7] = [
-    "lambda0_w_per_m2_k",
-    "dead_volume_m3",
-    "bore_m",
-    "ambient_temperature_k",
-    "position_scale",
-    "position_offset_m",
+    "lambda0_w_per_m2_k", "dead_volume_m3", "bore_m", "ambient_temperature_k", "position_scale", "position_offset_m",
     "rest_temperature_k",
 ];
 

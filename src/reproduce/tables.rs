@@ -91,17 +91,8 @@ pub fn section(measured: &Measured) -> Result<Section> {
 fn coefficients(measured: &Measured) -> Result<Table> {
     let paper = tables::Table::parse(TABLE_4)?;
     let mut table = Table::new(&[
-        "test",
-        "V/A, mm",
-        "λav paper, W/(m² K)",
-        "λav ours",
-        "difference",
-        "λ0 paper, W/(m² K)",
-        "λ0 ours",
-        "difference",
-        "95 % interval",
-        "λ0 exact, 5 τ",
-        "λ0 exact, 10 τ",
+        "test", "V/A, mm", "λav paper, W/(m² K)", "λav ours", "difference", "λ0 paper, W/(m² K)", "λ0 ours",
+        "difference", "95 % interval", "λ0 exact, 5 τ", "λ0 exact, 10 τ",
     ]);
     for row in 0..paper.rows.len() {
         let ours = row_of(measured, paper.text(row, "experiment")?, paper.text(row, "actuator")?)?;

@@ -96,15 +96,8 @@ impl Own {
     /// All lists.
     pub fn lists(&mut self) -> [&mut List<dyn Way>; 9] {
         [
-            &mut self.sealed,
-            &mut self.walled,
-            &mut self.stirred,
-            &mut self.heated,
-            &mut self.convective,
-            &mut self.integrated,
-            &mut self.orifices,
-            &mut self.gaps,
-            &mut self.remembering,
+            &mut self.sealed, &mut self.walled, &mut self.stirred, &mut self.heated, &mut self.convective,
+            &mut self.integrated, &mut self.orifices, &mut self.gaps, &mut self.remembering,
         ]
     }
 }

@@ -253,13 +253,7 @@ mod tests {
         let mass = names(&in_initialization(), Role::Output(output::MASS));
         // The far end of the cylinder, at its stroke, may hold the piston.
         let expected = [
-            "position",
-            "bore",
-            "rodDiameter",
-            "deadVolume",
-            "initialPressure",
-            "initialTemperature",
-            "stroke",
+            "position", "bore", "rodDiameter", "deadVolume", "initialPressure", "initialTemperature", "stroke",
             "gasConstant",
         ];
         assert_eq!(mass, expected);

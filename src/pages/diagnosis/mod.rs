@@ -354,11 +354,7 @@ mod tests {
         let page = html(&rig, &found).unwrap();
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
         for words in [
-            "<svg",
-            "pressure, bar",
-            "sonic conductance",
-            "compress-3bar: the push",
-            "pressure and position",
+            "<svg", "pressure, bar", "sonic conductance", "compress-3bar: the push", "pressure and position",
             "Spectrum of the residual",
         ] {
             assert!(page.contains(words), "{words}");

@@ -8,12 +8,8 @@ use std::sync::LazyLock;
 /// Nodes of a step, and their places in it.
 pub const NODES: usize = elimination::SIZE;
 pub const PLACES: [f64; NODES] = [
-    0.039_809_857_051_468_74,
-    0.198_013_417_873_608_17,
-    0.437_974_810_247_386_14,
-    0.695_464_273_353_636_1,
-    0.901_464_914_201_173_6,
-    1.0,
+    0.039_809_857_051_468_74, 0.198_013_417_873_608_17, 0.437_974_810_247_386_14, 0.695_464_273_353_636_1,
+    0.901_464_914_201_173_6, 1.0,
 ];
 /// Of how many values at the end of a step d ahead is guessed.
 pub const GUESSED: usize = 5;

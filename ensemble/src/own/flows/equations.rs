@@ -26,15 +26,8 @@ pub struct Constants<R = f64> {
 macro_rules! each_constant {
     ($apply:ident) => {
         $apply!(
-            heat_capacity_ratio,
-            wall,
-            per_root_wall,
-            passage.pressure,
-            passage.width,
-            passage.critical_ratio,
-            inflow,
-            outflow,
-            temperature_in
+            heat_capacity_ratio, wall, per_root_wall, passage.pressure, passage.width, passage.critical_ratio, inflow,
+            outflow, temperature_in
         )
     };
 }
