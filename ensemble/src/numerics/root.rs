@@ -85,7 +85,9 @@ fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lane
         }
         if evaluation % 2 == 0 {
             at_middle = value;
-            let straight = (at_middle * at_middle - at_low * at_high + f64::MIN_POSITIVE).sqrt();
+            // Where rounding leaves both ends on one side, no place beyond them is looked at.
+            let apart = (-(at_low * at_high)).max(Lanes::ZERO);
+            let straight = (at_middle * at_middle + apart + f64::MIN_POSITIVE).sqrt();
             x = open.where_positive(middle + (middle - low) * at_middle / straight, x);
             place = x;
             continue;
@@ -110,4 +112,25 @@ fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lane
         place = middle;
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Level(f64);
+
+    impl Curve for Level {
+        fn at(&self, _: Lanes) -> Lanes {
+            Lanes::from(self.0)
+        }
+    }
+
+    #[test]
+    fn where_a_curve_is_level_to_rounding_the_root_stays_between_its_bounds() {
+        for level in [-1e-6, -1e-300, 0.0, 1e-300, 1e-6] {
+            let found = root(&Level(level), Lanes::from(2.0), Lanes::from(3.0));
+            assert!((0..crate::lanes::WIDTH).all(|lane| (2.0..=3.0).contains(&found[lane])), "{level:e}: {found:?}");
+        }
+    }
 }
