@@ -414,6 +414,7 @@ pub fn pressure_temperature_rates<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::{GasZones, WallHeating};
     use crate::{AreaLaw, Geometry, HeatTransfer};
 
     #[test]
@@ -421,7 +422,7 @@ mod tests {
         let set = |name: &str| effects::find(name).map(|(e, _)| EffectSet::one(e)).unwrap();
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        let (wall, zones) = (effects::find("wall_heating").unwrap().0, effects::find("gas_zones").unwrap().0);
+        let (wall, zones) = (WallHeating::PLACE, GasZones::PLACE);
         chamber.effects.of_mut(wall).copy_from_slice(&[2.0, 0.0]);
         chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.1]);
         let set = set("wall_heating").union(set("gas_zones"));
@@ -480,7 +481,7 @@ mod tests {
 
     #[test]
     fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_the_chamber_breathes() {
-        let (zones, _) = effects::find("gas_zones").unwrap();
+        let zones = GasZones::PLACE;
         for set in [EffectSet::one(zones), EffectSet::one(zones).union(effects::CALORIC)] {
             let (chamber, boundary, mut state) = breathing(set);
             let place = OWN + effects::STATE_OFFSETS[zones];

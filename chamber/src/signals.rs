@@ -159,7 +159,7 @@ impl<R: Real> Inputs<R> for Signals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::find;
+    use crate::effects::{PositionDelay, find};
 
     fn effect(name: &str, value: f64) -> (EffectSet, EffectValues) {
         let (index, _) = find(name).unwrap();
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn a_stroke_behind_a_low_pass_is_found_again() {
-        let (index, _) = find("position_delay").unwrap();
+        let index = PositionDelay::PLACE;
         let (filter, mut values) = (0.05, EffectValues::NEUTRAL);
         values.of_mut(index)[1] = filter;
         let (set, speed) = (EffectSet::one(index), 0.2);

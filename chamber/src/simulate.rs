@@ -193,7 +193,7 @@ impl<R: Scalar, I: Inputs<R>> Recorder<'_, R, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{EffectValues, find};
+    use crate::effects::{EffectValues, RecordDelay, SensorDrift, find};
     use crate::signals::Signals;
     use crate::{AreaLaw, Gas, Geometry, HeatTransfer, dual::Dual};
 
@@ -230,7 +230,7 @@ mod tests {
     fn drift_is_added_last_and_counts_from_the_first_knot() {
         let (chamber, signals, times) = push();
         let mut drifting = with(&chamber, "record_delay", &[0.05]);
-        drifting.effects.of_mut(find("sensor_drift").unwrap().0)[0] = -200.0;
+        drifting.effects.of_mut(SensorDrift::PLACE)[0] = -200.0;
         let plain = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
         for (d, p) in run(&drifting, &signals, &times).iter().zip(&plain) {
             assert!((d.measured_pressure - (p.measured_pressure - 200.0 * d.time)).abs() < 1e-6);
@@ -252,7 +252,7 @@ mod tests {
         let delayed = with(&chamber, "record_delay", &[0.013]);
         let mut dual: Chamber<Dual<2>> = delayed.lift();
         dual.heat_transfer.coefficient = Dual::variable(26.5, 0);
-        dual.effects.of_mut(find("record_delay").unwrap().0)[0] = Dual::variable(0.013, 1);
+        dual.effects.of_mut(RecordDelay::PLACE)[0] = Dual::variable(0.013, 1);
         let start = Start { pressure: 1.013e5.into(), temperature: 293.0.into() };
         let exact = simulate(&dual, delayed.active(), start, &signals, &times, 1e-10).unwrap();
         let shifted = |delta: f64, h: f64| {

@@ -13,7 +13,7 @@ use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, sensor_lag};
+use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, SensorLag, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::{Real, Scalar};
 use chamber::record::{self, Inputs, Mesh, Readings};
@@ -330,9 +330,8 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         pressure: R,
     ) -> Self {
         let chamber = &balance.chamber;
-        let sensor_lag = effects::find("sensor_lag").map(|(index, _)| index).filter(|index| set.has(*index));
-        let lag = sensor_lag.map(|index| chamber.effects.of(index)[0]).filter(|constant| constant.value() > 0.0);
-        let behind_lag = set.without(sensor_lag.into_iter().collect());
+        let lag = Some(effects::lag(set, &chamber.effects)).filter(|constant| constant.value() > 0.0);
+        let behind_lag = set.without(EffectSet::one(SensorLag::PLACE));
         let lead = effects::stroke_delay(set, &chamber.effects);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         let lagged = (lag.is_none() || inputs.course.motion.starts_at_rest()).then_some(pressure);
@@ -395,6 +394,7 @@ mod tests {
     use super::*;
     use crate::record::stroke::{Motion, Spline};
     use chamber::dual::Dual;
+    use chamber::effects::SensorLag;
     use chamber::{AreaLaw, Gas, Geometry, HeatTransfer};
 
     fn chamber() -> Chamber {
@@ -489,7 +489,7 @@ mod tests {
     #[test]
     fn a_lag_has_followed_a_record_that_begins_in_motion_since_long() {
         let swing = |t: f64| 0.1 - 0.02 * (1.0 - (std::f64::consts::TAU * 0.5 * t).cos());
-        let lag = effects::find("sensor_lag").unwrap().0;
+        let lag = SensorLag::PLACE;
         let along = |chamber: &Chamber, set: EffectSet, start: Start<f64>, times: &[f64], course: &Course| {
             let correction = Correction::NONE;
             Run { chamber, set, start, correction, course, relative_tolerance: 1e-10 }.pressures(times).unwrap()

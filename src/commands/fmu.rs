@@ -59,8 +59,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let whole = Model::read(&args.model)?;
     let mut model = whole.clone();
     let left_out = model.leave_out_recorded_stroke();
-    for (place, card) in chamber::effects::all() {
-        fmu::table::effects::exported(card, model.chamber.effects.of(place))
+    for place in 0..chamber::effects::COUNT {
+        fmu::table::effects::exported(place, model.chamber.effects.of(place))
             .map_err(|reason| anyhow::anyhow!("{}: the FMU cannot be made: {reason}", args.model.display()))?;
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());

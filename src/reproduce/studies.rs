@@ -9,8 +9,9 @@
 use anyhow::{Context, Result, ensure};
 use arrow::array::AsArray;
 use arrow::datatypes::Float64Type;
+use chamber::effects::GasColumnLength;
 use chamber::exact::Closed;
-use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, effects};
+use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use paper::geometry_effect::REFERENCE_LENGTH_M;
 use paper::measured::{Measured, Row};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -98,8 +99,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured), DIGITS));
     let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
     if law == Law::Column {
-        let (place, _) = effects::find("gas_column_length").context("no effect `gas_column_length`")?;
-        chamber.effects.of_mut(place).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
+        chamber.effects.of_mut(GasColumnLength::PLACE).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
     }
     Ok(Model {
         gas_name: Some("air".to_owned()),

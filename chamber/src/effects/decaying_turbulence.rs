@@ -77,7 +77,8 @@ impl Effect for DecayingTurbulence {
 
 #[cfg(test)]
 mod tests {
-    use crate::effects::{EffectSet, find};
+    use super::DecayingTurbulence;
+    use crate::effects::EffectSet;
     use crate::signals::Signals;
     use crate::simulate::{Start, simulate};
     use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
@@ -97,7 +98,7 @@ mod tests {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let calm = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let mut stirred = calm;
-        let (index, _) = find("decaying_turbulence").unwrap();
+        let index = DecayingTurbulence::PLACE;
         stirred.effects.of_mut(index).copy_from_slice(&[coefficient, decay_s]);
         assert_eq!(stirred.active(), EffectSet::one(index));
         let end_m = 0.1 - speed * push_s;

@@ -11,8 +11,6 @@ use crate::gas::Gas;
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
-pub use super::iso6358::{KINKS, kinks};
-
 /// ISO 6358 leak between the gas and its surroundings.
 pub struct Leakage;
 
@@ -51,10 +49,10 @@ impl Effect for Leakage {
         surroundings.exchange(constant, at, flows);
     }
 
-    const KINKS: usize = KINKS;
+    const KINKS: usize = iso6358::KINKS;
 
     fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
-        out.copy_from_slice(&kinks(at.pressure, at.ambient_pressure, p[1]));
+        out.copy_from_slice(&iso6358::kinks(at.pressure, at.ambient_pressure, p[1]));
     }
 
     const CORNERS: bool = true;

@@ -19,7 +19,7 @@ use crate::real::Real;
 
 macro_rules! effects {
     ($($module:ident::$name:ident),* $(,)?) => {
-        $(pub mod $module;)*
+        $(pub mod $module; pub use $module::$name;)*
 
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Id { $($module,)* COUNT }
@@ -30,7 +30,12 @@ macro_rules! effects {
         /// Every effect's declaration, in order.
         pub const CARDS: [Card; COUNT] = [$($module::$name::CARD),*];
 
-        $(impl Place for $module::$name { const INDEX: usize = Id::$module as usize; })*
+        $(impl $module::$name {
+            /// Its place in the list of effects.
+            pub const PLACE: usize = Id::$module as usize;
+        })*
+
+        $(impl Place for $module::$name { const INDEX: usize = Self::PLACE; })*
 
         /// Own states of all effects in a chamber at rest in equilibrium.
         #[inline(always)]
@@ -53,7 +58,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn internal_energy<R: Real>(set: EffectSet, values: &EffectValues<R>, temperature: R) -> R {
             let mut product = R::ONE;
-            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+            $(if $module::$name::CALORIC && set.has($module::$name::PLACE) {
                 product = product * $module::$name::internal_energy($module::$name::values(values), temperature);
             })*
             product
@@ -62,7 +67,7 @@ macro_rules! effects {
         /// [`Effect::decays`] of the effects in `set`, 1/s; zero of all other own states.
         pub fn decays<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>) -> [R; OWN_STATES] {
             let mut out = [R::ZERO; OWN_STATES];
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 $module::$name::decays($module::$name::values(values), at, $module::$name::own_mut(&mut out));
             })*
             out
@@ -72,7 +77,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn temperature<R: Real>(set: EffectSet, values: &EffectValues<R>, by_energy: R) -> R {
             let mut temperature = by_energy;
-            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+            $(if $module::$name::CALORIC && set.has($module::$name::PLACE) {
                 temperature = $module::$name::temperature($module::$name::values(values), temperature);
             })*
             temperature
@@ -81,7 +86,7 @@ macro_rules! effects {
         /// [`Effect::gas_properties`] of the effects in `set`.
         #[inline(always)]
         pub fn gas_properties<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &mut Conditions<R>) {
-            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+            $(if $module::$name::CALORIC && set.has($module::$name::PLACE) {
                 $module::$name::gas_properties($module::$name::values(values), at);
             })*
         }
@@ -92,7 +97,7 @@ macro_rules! effects {
             set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, flows: &Flows<R>,
         ) -> [R; 2] {
             let mut sum = [R::ZERO; 2];
-            $(if $module::$name::CALORIC && set.has($module::$name::INDEX) {
+            $(if $module::$name::CALORIC && set.has($module::$name::PLACE) {
                 let [energy, pressure] = $module::$name::excess_enthalpy($module::$name::values(values), at, flows);
                 sum[0] += energy;
                 sum[1] += pressure;
@@ -107,7 +112,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn is_volumetric<R: Real>(set: EffectSet, values: &EffectValues<R>) -> bool {
             false $(|| $module::$name::VOLUMETRIC
-                && set.has($module::$name::INDEX)
+                && set.has($module::$name::PLACE)
                 && $module::$name::is_volumetric($module::$name::values(values)))*
         }
 
@@ -115,7 +120,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn volume<R: Real>(set: EffectSet, values: &EffectValues<R>, position: R, pressure: R) -> [R; 3] {
             let mut all = [R::ONE, R::ZERO, R::ZERO];
-            $(if $module::$name::VOLUMETRIC && set.has($module::$name::INDEX) {
+            $(if $module::$name::VOLUMETRIC && set.has($module::$name::PLACE) {
                 let one = $module::$name::volume($module::$name::values(values), position, pressure);
                 all = [all[0] * one[0], all[1] * one[0] + all[0] * one[1], all[2] * one[0] + all[0] * one[2]];
             })*
@@ -126,7 +131,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn heat_flow<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, from_wall: R) -> R {
             let mut heat = from_wall;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 $module::$name::heat_flow($module::$name::values(values), at, &mut heat);
             })*
             heat
@@ -140,7 +145,7 @@ macro_rules! effects {
         pub fn conditions<R: Real, const M: usize>(
             set: EffectSet, values: &EffectValues<R>, own: &[R; M], at: &mut Conditions<R>,
         ) {
-            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
+            $(if $module::$name::lies_within(M) && set.has($module::$name::PLACE) {
                 $module::$name::conditions($module::$name::values(values), $module::$name::own(own), at);
             })*
         }
@@ -149,7 +154,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn heat_transfer_factor<R: Real>(set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, base: R) -> R {
             let mut product = base;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 product = product * $module::$name::heat_transfer_factor($module::$name::values(values), at);
             })*
             product
@@ -159,7 +164,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn heat_transfer_area<R: Real>(set: EffectSet, values: &EffectValues<R>, of_law: R) -> R {
             let mut area = of_law;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 area = $module::$name::heat_transfer_area($module::$name::values(values), area);
             })*
             area
@@ -176,8 +181,8 @@ macro_rules! effects {
         pub fn flows<R: Real>(
             set: EffectSet, values: &EffectValues<R>, constants: &EffectConstants<R>, at: &Conditions<R>, flows: &mut Flows<R>,
         ) {
-            $(if set.has($module::$name::INDEX) {
-                let place = $module::$name::INDEX;
+            $(if set.has($module::$name::PLACE) {
+                let place = $module::$name::PLACE;
                 $module::$name::flows($module::$name::values(values), constants[place], at, flows);
             })*
         }
@@ -192,7 +197,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn corner<R: Real>(set: EffectSet, values: &EffectValues<R>, ambient_pressure: R, from: R, to: R) -> R {
             let mut first = to;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 first = $module::$name::corner($module::$name::values(values), ambient_pressure, from, first);
             })*
             first
@@ -212,7 +217,7 @@ macro_rules! effects {
             let mut rest = &mut out[..];
             $(
                 let (part, after) = rest.split_at_mut($module::$name::KINKS);
-                if set.has($module::$name::INDEX) {
+                if set.has($module::$name::PLACE) {
                     $module::$name::kinks($module::$name::values(values), $module::$name::own(own), at, rates, part);
                 }
                 rest = after;
@@ -226,7 +231,7 @@ macro_rules! effects {
         pub fn storage<R: Real>(
             set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, pressure_rate: R, flows: &mut Flows<R>,
         ) {
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, pressure_rate) {
                     flows.leave(flow, temperature);
                 }
@@ -239,7 +244,7 @@ macro_rules! effects {
             set: EffectSet, values: &EffectValues<R>, own: &[R; M], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>,
         ) -> [R; M] {
             let mut out = [R::ZERO; M];
-            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
+            $(if $module::$name::lies_within(M) && set.has($module::$name::PLACE) {
                 $module::$name::own_rates(
                     $module::$name::values(values), $module::$name::own(own), at, flows, rates, $module::$name::own_mut(&mut out),
                 );
@@ -251,7 +256,7 @@ macro_rules! effects {
         pub fn heated<R: Real, const M: usize>(
             set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, area: R, heat: R, own: &mut [R; M],
         ) {
-            $(if $module::$name::lies_within(M) && set.has($module::$name::INDEX) {
+            $(if $module::$name::lies_within(M) && set.has($module::$name::PLACE) {
                 let own = $module::$name::own_mut(own);
                 $module::$name::heated($module::$name::values(values), at, area, heat, own);
             })*
@@ -261,7 +266,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn reading<R: Real>(set: EffectSet, values: &EffectValues<R>, own: &[R; OWN_STATES], pressure: R, time: R) -> R {
             let mut reading = pressure;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 reading = $module::$name::reading($module::$name::values(values), $module::$name::own(own), reading, time);
             })*
             reading
@@ -273,7 +278,7 @@ macro_rules! effects {
         /// [`Effect::bend`] of the effects in `set`: the first of all.
         pub fn bend<R: Real>(set: EffectSet, values: &EffectValues<R>, from: R, to: R) -> R {
             let mut first = to;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 first = $module::$name::bend($module::$name::values(values), from, first);
             })*
             first
@@ -294,7 +299,7 @@ macro_rules! effects {
         #[inline(always)]
         pub fn $hook<R: Real>(set: EffectSet, values: &EffectValues<R>) -> R {
             let mut sum = R::ZERO;
-            $(if set.has($module::$name::INDEX) {
+            $(if set.has($module::$name::PLACE) {
                 sum += $module::$name::$hook($module::$name::values(values));
             })*
             sum

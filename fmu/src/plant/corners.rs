@@ -8,12 +8,12 @@ use super::rates::Moment;
 use super::states::ALL;
 use super::stroke::Limits;
 use super::values::{INPUTS, input};
-use chamber::effects::{self, leakage};
+use chamber::effects::{self, iso6358};
 use chamber::real::Real;
 
 /// Places among the indicators: both mass flows, both ports, both ends of the stroke, then the effects'.
 const PORTS: usize = 2;
-const ENDS: usize = PORTS + 2 * leakage::KINKS;
+const ENDS: usize = PORTS + 2 * iso6358::KINKS;
 const EFFECTS: usize = ENDS + 3;
 /// Number of event indicators.
 pub const CORNERS: usize = EFFECTS + effects::KINKS;
@@ -108,8 +108,8 @@ pub fn corners(
     out[0] = u[input::MASS_FLOW_IN] / NOMINAL_FLOW;
     out[1] = u[input::MASS_FLOW_OUT] / NOMINAL_FLOW;
     for (i, port) in moment.around.ports.iter().flatten().enumerate().filter(|(_, port)| port.conductance > 0.0) {
-        let kinks = leakage::kinks(port.pressure, at.pressure, port.critical_ratio);
-        out[PORTS + i * leakage::KINKS..][..leakage::KINKS].copy_from_slice(&kinks);
+        let kinks = iso6358::kinks(port.pressure, at.pressure, port.critical_ratio);
+        out[PORTS + i * iso6358::KINKS..][..iso6358::KINKS].copy_from_slice(&kinks);
     }
     if let Some([low, high]) = piston.limits.room(piston.position) {
         let stroke = low + high;

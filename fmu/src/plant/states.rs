@@ -113,6 +113,7 @@ mod tests {
     use super::super::values::Starts;
     use super::*;
     use chamber::balance::{MASS, OWN};
+    use chamber::effects::{GasZones, SensorLag};
 
     fn at(pressure: f64, chamber: &Chamber) -> (Boundary, [f64; ALL]) {
         let boundary: Boundary = inputs::boundary(&Starts::default().inputs);
@@ -126,7 +127,7 @@ mod tests {
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.07;
         let closed = jump(&chamber, EffectSet::NONE, &boundary, &states, 0.1).unwrap();
-        let (lag, _) = effects::find("sensor_lag").unwrap();
+        let lag = SensorLag::PLACE;
         chamber.effects.of_mut(lag)[0] = 0.01;
         let integrated = jump(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
         assert!((closed[ENERGY] / integrated[ENERGY] - 1.0).abs() < 1e-10);
@@ -142,7 +143,7 @@ mod tests {
     #[test]
     fn a_core_of_gas_is_compressed_like_the_rest() {
         let mut chamber = Starts::default().parameters.chamber();
-        let (zones, _) = effects::find("gas_zones").unwrap();
+        let zones = GasZones::PLACE;
         chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.05]);
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.05;

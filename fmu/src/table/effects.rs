@@ -5,7 +5,7 @@ use super::{Role, Type, Variability, Variable};
 use crate::plant::values::BASE;
 use chamber::card::{ActsOn, Card, Kind, Parameter};
 use chamber::effects::empirical::{Curve, Empirical, Term};
-use chamber::effects::{self, Effect, EffectSet};
+use chamber::effects::{self, EffectSet};
 use chamber::words::listed;
 
 /// The effects that an FMU has: all but those on a record of the stroke, as here the stroke is the true one. Of an effect
@@ -18,8 +18,8 @@ pub fn effects_here() -> impl Iterator<Item = (usize, &'static Card)> {
 ///
 /// # Errors
 /// The reason why not, as a sentence.
-pub fn exported(card: &Card, values: &[f64]) -> Result<(), String> {
-    if card.name != Empirical::CARD.name {
+pub fn exported(effect: usize, values: &[f64]) -> Result<(), String> {
+    if effect != Empirical::PLACE {
         return Ok(());
     }
     match Curve::of(values) {

@@ -12,7 +12,7 @@ use crate::plant::step::Gas;
 use crate::plant::tangent::Seed;
 use crate::plant::values::{BASE, Starts, StrokeInput, input, parameter, start_inputs};
 use chamber::balance::{self, ENERGY, MASS, OWN};
-use chamber::card::{Card, Kind as Holds};
+use chamber::card::Kind as Holds;
 use chamber::effects::{self, OWN_STATES};
 
 /// Smallest derivative that counts, with known and unknown in units of their nominal values. Far below any law's, far
@@ -124,8 +124,8 @@ fn minus(one: &Present, other: &Present) -> Present {
 /// each effect alone at its typical values and with each of its words, none, and all; integrated by either side, with each
 /// choice.
 fn probes(started: bool) -> Vec<Simulation> {
-    let alone: Vec<Effects> = effects::all().flat_map(|(i, card)| values(card).map(move |v| vec![(i, v)])).collect();
-    let all: Effects = effects::all().filter_map(|(i, card)| Some((i, values(card).next()?))).collect();
+    let alone: Vec<Effects> = effects::all().flat_map(|(i, _)| values(i).map(move |v| vec![(i, v)])).collect();
+    let all: Effects = effects::all().filter_map(|(i, _)| Some((i, values(i).next()?))).collect();
     let sets = [Vec::new(), all];
     let pressures = [1e5, 5e5];
     let of_set = |set: &Effects| pressures.map(|pressure| probe(started, Kind::CoSimulation, set, pressure));
@@ -154,9 +154,10 @@ fn probes(started: bool) -> Vec<Simulation> {
 type Effects = Vec<(usize, Vec<f64>)>;
 
 /// An effect's typical values; a table once for each meaning that its words give it, over any value of what it follows.
-fn values(card: &'static Card) -> impl Iterator<Item = Vec<f64>> {
+fn values(effect: usize) -> impl Iterator<Item = Vec<f64>> {
     /// Reaches beyond every variable, in its unit.
     const RANGE: f64 = 1e6;
+    let card = &effects::CARDS[effect];
     let mut all = vec![card.parameters.iter().map(|p| p.typical).collect::<Vec<f64>>()];
     for (place, parameter) in card.parameters.iter().enumerate() {
         match parameter.kind {
@@ -176,7 +177,7 @@ fn values(card: &'static Card) -> impl Iterator<Item = Vec<f64>> {
             }
         }
     }
-    let exported = |values: &Vec<f64>| (card.check)(values).is_ok() && super::effects::exported(card, values).is_ok();
+    let exported = |values: &Vec<f64>| (card.check)(values).is_ok() && super::effects::exported(effect, values).is_ok();
     all.into_iter().filter(exported).collect::<Vec<_>>().into_iter()
 }
 

@@ -17,10 +17,9 @@ use crate::outcome::rigs;
 use crate::outcome::unnamed::{Unnamed, unnamed};
 use crate::parameters::{Model, names};
 use crate::record::data::Data;
-use crate::search::curve::ReadOff;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
-use chamber::effects::{CARDS, EffectSet};
+use chamber::effects::{self, CARDS, EffectSet};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -252,7 +251,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         (Verdict::Adequate, _) => "none",
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
         (_, Some(first)) => match chamber::effects::find(first) {
-            Some((place, _)) if Some(place) == ReadOff::effect() => {
+            Some((effects::Empirical::PLACE, _)) => {
                 found.read_off.as_ref().map_or("none", |r| r.first_order.term.balance().name())
             }
             Some((_, card)) => card.balance.name(),

@@ -4,6 +4,7 @@ use crate::fit::covariance;
 use crate::outcome::unnamed::Subject;
 use crate::parameters::Slot;
 use crate::search::curve::{Fate, ReadOff};
+use chamber::effects;
 use serde::{Serialize, Serializer};
 
 /// A missing term read off the data, refitted with everything else.
@@ -40,7 +41,7 @@ pub struct LeftOut {
 impl Empirical {
     /// What was found, in words and numbers.
     pub fn of(found: &ReadOff, is_adequate: bool) -> Option<Self> {
-        let (effect, curve) = (ReadOff::effect()?, found.curve()?);
+        let (effect, curve) = (effects::Empirical::PLACE, found.curve()?);
         let fit = &found.candidate.fit;
         let covariance = covariance::covariance(fit, is_adequate);
         let values = fit.hypothesis.axes.iter().zip(covariance::estimates(fit, &covariance));

@@ -4,12 +4,10 @@ use super::axis::{Axis, Slot};
 use super::sizes::Sizes;
 use chamber::Chamber;
 use chamber::effects::empirical::{Curve, Empirical, Term, Variable};
-use chamber::effects::{CARDS, Effect};
 
 /// The curve that an effect of a chamber is, if it is one.
 pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
-    let is_curve = CARDS[effect].name == Empirical::CARD.name;
-    is_curve.then(|| Curve::of(chamber.effects.of(effect))).flatten()
+    (effect == Empirical::PLACE).then(|| Curve::of(chamber.effects.of(effect))).flatten()
 }
 
 /// By how much a value of a curve differs beforehand from the straight line through its neighbours, of the largest value.

@@ -336,7 +336,7 @@ pub fn first_chamber(data: &Data) -> Chamber {
 mod tests {
     use super::*;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, find};
+    use chamber::effects::{DeadVolumeSurface, EffectSet, GasZones, PositionDelay, find};
 
     #[test]
     fn records_that_do_not_show_their_surroundings_have_a_temperature_of_them_each_and_a_single_one_has_not() {
@@ -386,14 +386,14 @@ mod tests {
 
     #[test]
     fn gas_zones_exchange_heat_no_faster_than_shows() {
-        let (conductance, sizes) = last_axis(find("gas_zones").unwrap().0);
+        let (conductance, sizes) = last_axis(GasZones::PLACE);
         let most_w_per_k = conductance.value(conductance.bounds[1]);
         assert!((most_w_per_k * sizes.relaxation / sizes.gas_capacity - 30.0).abs() < 1e-9, "{most_w_per_k}");
     }
 
     #[test]
     fn an_additional_area_is_none_beside_which_that_of_the_bore_is_nothing() {
-        let (area, sizes) = last_axis(find("dead_volume_surface").unwrap().0);
+        let (area, sizes) = last_axis(DeadVolumeSurface::PLACE);
         let most_m2 = area.value(area.bounds[1]);
         assert!((most_m2 / (30.0 * sizes.volume.powf(2.0 / 3.0)) - 1.0).abs() < 1e-9, "{most_m2}");
     }
@@ -402,7 +402,7 @@ mod tests {
     fn a_position_is_early_by_little_more_than_half_a_row_and_only_behind_a_low_pass() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);
-        let (effect, _) = find("position_delay").unwrap();
+        let effect = PositionDelay::PLACE;
         let one = EffectSet::one(effect);
         let earliest_s = |secondary: EffectSet| {
             let model = Model { secondary, ..Model::with(one) };

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{GasColumnLength, find};
 
     #[test]
     fn a_delay_within_a_row_is_alike_to_a_lag_that_the_search_did_not_come_to() {
@@ -70,8 +70,7 @@ mod tests {
 
     #[test]
     fn a_surface_of_the_dead_volume_has_no_more_evidence_than_a_columns_length_because_the_gas_is_off() {
-        let mut recipe =
-            Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(find("gas_column_length").unwrap().0, 1.0);
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(GasColumnLength::PLACE, 1.0);
         recipe.faults.stated.heat_capacity_ratio_times = 0.999;
         let mut search = Search::after_first_fit(&recipe);
         let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| {

@@ -19,7 +19,7 @@ use crate::parameters::{Model, curve_of};
 use crate::policy;
 use crate::search::starts::fit_by_size;
 use chamber::effects::empirical::Curve;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{EffectSet, Empirical};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -104,14 +104,9 @@ fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
 }
 
 impl ReadOff {
-    /// Place of the effect that holds a curve.
-    pub fn effect() -> Option<usize> {
-        effects::find("empirical").map(|(place, _)| place)
-    }
-
     /// The curve as refitted.
     pub fn curve(&self) -> Option<Curve> {
-        curve_of(Self::effect()?, &self.candidate.fit.chamber())
+        curve_of(Empirical::PLACE, &self.candidate.fit.chamber())
     }
 }
 
@@ -119,7 +114,7 @@ impl Search {
     /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
     /// decisively better shows that the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
-        let curves = self.curves_on(&self.baseline, ReadOff::effect()?, named.delta_bic + policy::DECISIVE, 0.0);
+        let curves = self.curves_on(&self.baseline, named.delta_bic + policy::DECISIVE, 0.0);
         let evident = curves.into_iter().filter(|c| c.is_evident && c.is_possible());
         let best = self.refitted_fully(evident.max_by(|a, b| by_bic(&a.candidate, &b.candidate))?);
         let left_out_pa = self.left_out(named)?;
@@ -128,7 +123,6 @@ impl Search {
 
     /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
     pub(super) fn read_off(&self, settled: &Candidate) -> Option<ReadOff> {
-        let empirical = ReadOff::effect()?;
         let mut parts = vec![&self.baseline];
         if self.chosen.model != Model::PAPER {
             parts.push(&self.chosen);
@@ -136,7 +130,7 @@ impl Search {
         let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
         let fails_on_others = self.data.experiments.len() > 1 && !self.predicts_as_it_fits(settled, settled_pa);
         let least_share = if fails_on_others { 0.0 } else { LEAST_SHARE };
-        let curves_on = |part| self.curves_on(part, empirical, settled.delta_bic, least_share);
+        let curves_on = |part| self.curves_on(part, settled.delta_bic, least_share);
         let mut curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
         // The error by which names give way is that on the usual folds.
         let in_place_of_names = curves.par_iter_mut().filter(|c| c.candidate.model.terms() <= settled.model.terms());
@@ -199,7 +193,7 @@ impl Search {
 
     /// The same without the names that stood for part of the curve: those no longer decisive beside it.
     fn pruned(&self, mut best: Judged) -> Judged {
-        let curve: EffectSet = ReadOff::effect().into_iter().collect();
+        let curve = EffectSet::one(Empirical::PLACE);
         loop {
             let less = terms::without_one(&best.candidate.model).into_par_iter().filter(|m| m.effects.contains(curve));
             let refitted = |model| self.refitted_without(&best.candidate.fit, model).filter(|fit| fit.converged);
@@ -217,7 +211,7 @@ impl Search {
 
     /// The curves that take most away from what a model leaves, at least that share of it, refitted; those of more than this
     /// evidence judged.
-    fn curves_on(&self, part: &Candidate, empirical: usize, least_bic: f64, least_share: f64) -> Vec<Judged> {
+    fn curves_on(&self, part: &Candidate, least_bic: f64, least_share: f64) -> Vec<Judged> {
         let Some(families) = discrepancy::Families::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = families.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
@@ -229,7 +223,7 @@ impl Search {
         let mut refitted: Vec<(Missing, Candidate)> = curves
             .into_par_iter()
             .filter_map(|missing| {
-                let fit = self.refitted_with(part, empirical, &missing.flat()?)?;
+                let fit = self.refitted_with(part, &missing.flat()?)?;
                 fit.converged.then(|| (missing, self.candidate(fit)))
             })
             .collect();
@@ -256,10 +250,10 @@ impl Search {
     }
 
     /// A model's rough fit with that curve beside all else, from zero on.
-    fn refitted_with(&self, part: &Candidate, empirical: usize, curve: &Curve) -> Option<Fit> {
+    fn refitted_with(&self, part: &Candidate, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
-        from.hypothesis.base.effects.of_mut(empirical).copy_from_slice(&curve.parameters());
-        let effects = part.model.effects.union(EffectSet::one(empirical));
+        from.hypothesis.base.effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
+        let effects = part.model.effects.union(EffectSet::one(Empirical::PLACE));
         let model = Model { effects, ..part.model };
         fit_by_size(&self.data, model, &from, &self.sizes, Until::ROUGHLY)
     }
@@ -282,7 +276,7 @@ mod tests {
     fn a_curve_beside_a_coefficient_that_no_gas_has_is_possible_at_no_price() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(41) }.with_outside(Outside::FrictionHeat(0.05));
         let search = Search::after_first_fit(&recipe);
-        let curves = search.curves_on(&search.baseline, ReadOff::effect().unwrap(), 0.0, 0.0);
+        let curves = search.curves_on(&search.baseline, 0.0, 0.0);
         let mut best = curves.into_iter().next().unwrap();
         assert!(best.is_possible());
         best.candidate.fit.rig[0] -= 1e3f64.ln();

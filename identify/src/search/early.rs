@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use crate::search::{Found, search};
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{RecordDelay, find};
 
     /// What is found of a rig whose pressure passes a low-pass of 20 ms, computed at each of its rows, every 10 ms.
     fn found(digital: bool, late_s: f64) -> Found {
@@ -77,7 +77,7 @@ mod tests {
         let Model { effects, own, .. } = found.chosen.model;
         assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
         let fit = &found.chosen.fit;
-        let (delay, _) = find("record_delay").unwrap();
+        let delay = RecordDelay::PLACE;
         assert_eq!(fit.chamber_of_rig().effects.of(delay), [0.0], "the model as it is written");
         for own in &fit.own {
             let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();

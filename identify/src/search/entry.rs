@@ -176,15 +176,15 @@ mod tests {
     use crate::record::data::Data;
     use crate::search::{Verdict, baseline};
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, find};
+    use chamber::effects::{EffectSet, GasZones, NaturalConvection, find};
 
     /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
     fn search_with_exhausted_zones() -> (Search, Candidate) {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
-        recipe.chamber.effects.of_mut(find("natural_convection").unwrap().0)[0] = 0.4;
+        recipe.chamber.effects.of_mut(NaturalConvection::PLACE)[0] = 0.4;
         let search = Search::after_first_fit(&recipe);
         assert!(!search.baseline_adequacy.is_adequate());
-        let model = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
+        let model = Model::with(EffectSet::one(GasZones::PLACE));
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         assert_eq!(fit.exhausted(), None);
         let mut zones = search.candidate(fit);
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn what_a_set_is_without_an_effect_that_is_off_is_fitted_from_there() {
         let (search, mut zones) = search_with_exhausted_zones();
-        let model = Model::with(EffectSet::one(find("natural_convection").unwrap().0).union(zones.model.effects));
+        let model = Model::with(EffectSet::one(NaturalConvection::PLACE).union(zones.model.effects));
         zones = search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap());
         let of_zones = |fit: &Fit| {
             let is_of_zones = |axis: &crate::parameters::Axis| axis.slot.name().starts_with("gas_zones");
@@ -266,7 +266,7 @@ mod tests {
         };
         of_zones(&zones.fit).into_iter().for_each(|k| zones.fit.rig[k] = 0.0);
         let part = search.without_what_is_off(&zones).unwrap();
-        assert_eq!(part.model, Model::with(EffectSet::one(find("natural_convection").unwrap().0)));
+        assert_eq!(part.model, Model::with(EffectSet::one(NaturalConvection::PLACE)));
         assert!(part.delta_bic > policy::DECISIVE && part.fit.converged);
         // No more where that is known as well.
         let tried = vec![part];

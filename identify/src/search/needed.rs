@@ -93,14 +93,14 @@ impl Search {
 mod tests {
     use super::*;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{GasZones, Leakage, SensorDrift};
 
     #[test]
     fn gas_zones_that_stand_for_humid_air_go_out_again_and_leave_noise() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let mut search = Search::after_first_fit(&recipe);
-        let zones = Model::with(EffectSet::one(find("gas_zones").unwrap().0));
+        let zones = Model::with(EffectSet::one(GasZones::PLACE));
         let fit = fit_model(&search.data, zones, &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.candidate(fit);
         assert!(search.needed(&search.baseline) < policy::DECISIVE);
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
-        let (leakage, drift) = (find("leakage").unwrap().0, find("sensor_drift").unwrap().0);
+        let (leakage, drift) = (Leakage::PLACE, SensorDrift::PLACE);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);
         let mut search = Search::after_first_fit(&recipe);

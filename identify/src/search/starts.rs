@@ -236,7 +236,7 @@ mod tests {
     use super::*;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
-    use chamber::effects::find;
+    use chamber::effects::{GasZones, Leakage};
 
     #[test]
     fn a_fit_begins_at_a_first_guess_too_where_its_part_has_lost_the_coefficient() {
@@ -248,7 +248,7 @@ mod tests {
         let coefficients: Vec<f64> =
             bases(&data, &part, &Model::PAPER).iter().map(|base| base.heat_transfer.coefficient).collect();
         assert_eq!(coefficients, [part.chamber().heat_transfer.coefficient, FIRST_LAMBDA0]);
-        let leak = Model::with(EffectSet::one(find("leakage").unwrap().0));
+        let leak = Model::with(EffectSet::one(Leakage::PLACE));
         let sizes = Sizes::of(&data, &first_chamber(&data));
         let found = fit_model(&data, leak, &part, &sizes).unwrap().chamber().heat_transfer.coefficient;
         let truth = recipe.chamber.heat_transfer.coefficient;
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_larger_set_does_not_keep_a_secondary_number_that_only_its_part_needed() {
-        let (leakage, zones) = (find("leakage").unwrap().0, find("gas_zones").unwrap().0);
+        let (leakage, zones) = (Leakage::PLACE, GasZones::PLACE);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[0] = 2e-11;
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();

@@ -106,7 +106,7 @@ mod tests {
     use crate::parameters::Model;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, find};
+    use chamber::effects::{EffectSet, Leakage, find};
 
     #[test]
     fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
         let mut recipe = Recipe::from_seed(5);
-        recipe.chamber.effects.of_mut(find("leakage").unwrap().0)[0] = 2e-11;
+        recipe.chamber.effects.of_mut(Leakage::PLACE)[0] = 2e-11;
         let mut search = Search::after_first_fit(&recipe);
         search.first_round();
         assert!(search.carries_over());

@@ -16,7 +16,7 @@ use crate::quantity::Base;
 use crate::quantity::point::Point;
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
-use chamber::effects::{self, EffectSet};
+use chamber::effects;
 use ensemble::{Hold, Scenario};
 use status::{Failure, Status};
 
@@ -90,8 +90,7 @@ pub fn final_time_constant(scenario: &Scenario) -> f64 {
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
-    let natural = effects::find("natural_convection").map(|(index, _)| index);
-    let set: EffectSet = chamber.active().iter().filter(|index| Some(*index) != natural).collect();
+    let set = chamber.active().without(effects::SINGULAR);
     let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
     let area = effects::heat_transfer_area(set, &chamber.effects, geometry::final_geometry(scenario).1);
     mass * chamber.gas.cv() / (coefficient * area)

@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::balance::{self, Boundary};
     use crate::dual::Dual;
-    use crate::effects::{EffectValues, find};
+    use crate::effects::EffectValues;
     use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
     fn curve_of(term: Term, variable: Variable, knots: &[f64], values: &[f64]) -> Curve {
@@ -183,7 +183,7 @@ mod tests {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let mut effects = EffectValues::NEUTRAL;
-        effects.of_mut(find("empirical").unwrap().0).copy_from_slice(&curve.parameters());
+        effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
         chamber.effects = effects;
         chamber
     }
