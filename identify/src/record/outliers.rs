@@ -97,7 +97,7 @@ struct Far {
 
 impl Far {
     fn of(t: &Prepared, residual: &[f64], noise_pa: f64) -> Self {
-        let is_no_data = |i: usize| t.readout.is_starting(i) || t.readout.is_open(i);
+        let is_no_data = |i: usize| t.readout.is_early(i) || t.readout.is_open(i);
         let is_looked_at =
             |i: usize| t.readout.readings.are_at(i) && !is_no_data(i) && t.spikes.binary_search(&i).is_err();
         let rows: Vec<usize> = (0..residual.len()).filter(|&i| is_looked_at(i)).collect();

@@ -17,7 +17,7 @@ pub fn of(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
         reference_pressure_pa: chamber::paper::REFERENCE_PRESSURE_PA,
         reference_temperature_k: chamber::paper::REFERENCE_TEMPERATURE_K,
     };
-    let left_out = |row: usize| t.readout.is_starting(row) || t.readout.is_saturated(row);
+    let left_out = |row: usize| t.readout.is_early(row) || t.readout.is_saturated(row);
     let is_kept = |row: &usize| !left_out(*row) && t.readout.outliers.binary_search(row).is_err();
     let kept = |column: &[f64]| (0..column.len()).filter(is_kept).map(|row| column[row]).collect::<Vec<f64>>();
     let [time_s, pressure_pa, position_m] = [&t.time_s, &t.pressure_pa, &t.position_m].map(|column| kept(column));

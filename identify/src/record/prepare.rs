@@ -18,7 +18,7 @@ use crate::record::stroke::{Motion, Phase, Spline};
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
 use crate::record::{checks, clock, gaps};
-use records::{Line, Rig, Trace, opened_from};
+use records::{Line, Rig, Trace, opened_from, shut_from};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -59,9 +59,11 @@ impl Data {
         for c in &mut columns {
             c.readout.starting = c.starting();
             c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
-            c.readout.opened = c.opened(noise.white_pa.hypot(noise.rounding_pa()));
+            let deviation_pa = noise.white_pa.hypot(noise.rounding_pa());
+            c.readout.shut = c.shut(deviation_pa);
+            c.readout.opened = c.opened(deviation_pa);
         }
-        let leaves_out = |r: &Readout| r.starting > 0 || !r.outliers.is_empty() || r.opened.is_some();
+        let leaves_out = |r: &Readout| r.is_early(0) || !r.outliers.is_empty() || r.opened.is_some();
         if columns.iter().any(|c| leaves_out(&c.readout)) {
             let quiet: Vec<Quiet<'_>> = columns.iter().map(Columns::quiet).collect();
             noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
@@ -193,19 +195,32 @@ impl<'a> Columns<'a> {
 
     /// Rows at the beginning that show a filter which has not settled yet.
     fn starting(&self) -> usize {
-        let rest = self.motion.segments.first().filter(|s| s.phase == Phase::Rest).map_or(0..0, |s| s.first..s.end);
-        let rows: Vec<usize> = rest.filter(|&i| self.readout.is_data(i)).collect();
-        let settling = start_up::readings(&rows.iter().map(|&i| self.pressure_pa[i]).collect::<Vec<f64>>());
+        let Some(rest) = self.motion.segments.first().filter(|s| s.phase == Phase::Rest) else { return 0 };
+        let (rows, [_, pressures_pa]) = self.data_of(rest.first..rest.end);
+        let settling = start_up::readings(&pressures_pa);
         rows[..settling].last().map_or(0, |last| last + 1)
+    }
+
+    /// Rows at the beginning before the chamber was shut, where the piston rests there.
+    fn shut(&self, noise_pa: f64) -> usize {
+        let Some(rest) = self.motion.segments.first().filter(|s| s.phase == Phase::Rest) else { return 0 };
+        let (rows, [times_s, pressures_pa]) = self.data_of(rest.first..rest.end);
+        shut_from(&times_s, &pressures_pa, noise_pa).map_or(0, |first| rows[first])
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.
     fn opened(&self, noise_pa: f64) -> Option<Range<usize>> {
         let hold = self.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
-        let rows: Vec<usize> = (hold.first..hold.end).filter(|&i| self.readout.is_data(i)).collect();
-        let [time_s, pressure_pa] = [&self.time_s[..], &self.pressure_pa[..]]
-            .map(|column| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>());
-        opened_from(&time_s, &pressure_pa, noise_pa).map(|first| rows[first]..self.time_s.len())
+        let (rows, [times_s, pressures_pa]) = self.data_of(hold.first..hold.end);
+        opened_from(&times_s, &pressures_pa, noise_pa).map(|first| rows[first]..self.time_s.len())
+    }
+
+    /// Those of some rows that are data, with their times, s, and pressures, Pa.
+    fn data_of(&self, rows: Range<usize>) -> (Vec<usize>, [Vec<f64>; 2]) {
+        let rows: Vec<usize> = rows.filter(|&i| self.readout.is_data(i)).collect();
+        let columns = [&self.time_s[..], &self.pressure_pa[..]];
+        let values = columns.map(|column| rows.iter().map(|&i| column[i]).collect());
+        (rows, values)
     }
 
     /// Whether neither rig nor trace gives a temperature of the surroundings.
@@ -345,6 +360,26 @@ mod tests {
         }
         let (data, paper) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
         assert!(data.traces.iter().all(|t| t.readout.readings.by_own_clock().is_some()));
+        let judged = adequacy::test(&data, &paper);
+        assert!(judged.is_noise, "{judged:?}");
+    }
+
+    #[test]
+    fn rows_before_the_port_is_shut_are_left_out_and_what_follows_is_a_test() {
+        let mut rig = Recipe { repeats: 1, rate_hz: 500.0, ..Recipe::from_seed(5) }.rig();
+        let rest = {
+            let t = &rig.experiments[0].traces[0];
+            let begins = |x: &&f64| (**x - t.position_m[0]).abs() < 1e-3;
+            t.position_m.iter().take_while(begins).count()
+        };
+        let flows = rest / 2;
+        for trace in rig.experiments.iter_mut().flat_map(|experiment| &mut experiment.traces) {
+            let filled = trace.pressure_pa.iter_mut().flatten().take(flows).enumerate();
+            filled.for_each(|(i, p)| *p *= 0.8 + 0.2 * i as f64 / flows as f64);
+        }
+        let (data, paper) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
+        let left_out: Vec<usize> = data.traces.iter().map(|t| t.readout.shut).collect();
+        assert!(left_out.iter().all(|rows| (flows..rest - 8).contains(rows)), "{left_out:?} of {flows} and {rest}");
         let judged = adequacy::test(&data, &paper);
         assert!(judged.is_noise, "{judged:?}");
     }

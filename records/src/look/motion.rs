@@ -2,6 +2,7 @@
 
 use crate::look::readings::Readings;
 use crate::opened::opened_from;
+use crate::shut::shut_from;
 use crate::statistics::{extremes, interval};
 use crate::trace::movement_threshold;
 use std::ops::Range;
@@ -93,7 +94,8 @@ pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
 }
 
 /// The windows of single push-and-hold tests, and how many moves were passed over as the pressure did not answer them:
-/// the port was open. A window ends before the next move, or where the pressure leaves its course as a port is opened.
+/// the port was open. A window begins after the port is shut, and ends before the next move, or where the pressure leaves its course as
+/// the port is opened.
 ///
 /// The record is its time, s, pressure, Pa, and position, m.
 pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Vec<Cycle>, usize) {
@@ -108,6 +110,8 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         let lead =
             time_s[before.rows.end - 1] - LEAD_S.min((time_s[before.rows.end - 1] - time_s[before.rows.start]) / 2.0);
         let first = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
+        let shut = closed_from([time_s, pressure_pa], readings, before.rows.clone());
+        let first = first.max(shut.unwrap_or(first));
         let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
         let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
         let [from_m, to_m] = [begin.clone(), end.clone()].map(|rows| mean(position_m, rows));
@@ -125,7 +129,8 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         let settled = last.saturating_sub(REST_ROWS).max(after.rows.start)..last;
         let is_steady = (pressure_pa[first] - rest_pa).abs() < STEADY * readings.deviation_pa();
         let was_opened = || closed_until([time_s, pressure_pa], readings, before.rows.clone()) < first;
-        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || !is_steady && was_opened() {
+        let is_open = || shut.is_none() && !is_steady && was_opened();
+        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || is_open() {
             open += 1;
             continue;
         }
@@ -135,6 +140,19 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
     (cycles, open)
 }
 
+/// The first row of a rest after the port was shut in it, if it was.
+fn closed_from(record: [&[f64]; 2], readings: &Readings, rest: Range<usize>) -> Option<usize> {
+    let (rows, [times_s, pressures_pa]) = read_out(record, readings, rest);
+    shut_from(&times_s, &pressures_pa, readings.deviation_pa()).map(|first| rows[first])
+}
+
+/// Those of some rows at which the sensor was read out, with their times, s, and pressures, Pa.
+fn read_out(record: [&[f64]; 2], readings: &Readings, rows: Range<usize>) -> (Vec<usize>, [Vec<f64>; 2]) {
+    let rows: Vec<usize> = readings.read_out(rows).collect();
+    let columns = record.map(|column| rows.iter().map(|row| column[*row]).collect());
+    (rows, columns)
+}
+
 /// One past the last row of a hold before its pressure leaves its course, or changes faster, in the second half, than it did in the
 /// first.
 fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: Range<usize>) -> usize {
@@ -142,10 +160,8 @@ fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: R
     let middle = hold.start + hold.len() / 2;
     let fastest = (hold.start..middle).map(rate).fold(0.0, f64::max);
     let jump = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
-    let readout = hold.clone().step_by(readings.rows_a_readout());
-    let [times_s, held_pa] =
-        [time_s, pressure_pa].map(|column| readout.clone().map(|row| column[row]).collect::<Vec<_>>());
-    let opened = opened_from(&times_s, &held_pa, readings.deviation_pa()).and_then(|k| readout.clone().nth(k));
+    let (rows, [times_s, held_pa]) = read_out([time_s, pressure_pa], readings, hold.clone());
+    let opened = opened_from(&times_s, &held_pa, readings.deviation_pa()).map(|first| rows[first]);
     // The last rows before a move, or a jump, may already belong to it.
     let until = jump.into_iter().chain(opened).min().unwrap_or(hold.end);
     until.saturating_sub(2).max(hold.start + 1)

@@ -1,11 +1,14 @@
 //! How a record was read: rate, gaps, resolution, and how often the sensor itself was read out.
 
-use crate::statistics::{median, white_noise};
+use crate::statistics::{bends, median, white_noise};
+use std::ops::Range;
 
 /// A readout is slower than the rows if so large a share of the changes stands at every k-th row ...
 const SHARE: f64 = 0.95;
 /// ... and there are so many of them.
 const CHANGES: usize = 20;
+/// Interpolated between readouts, no larger share of the rows bends: half where every second row is one; of noise nearly all do.
+const MOST_KINKS: f64 = 0.6;
 /// The slowest readout that is looked for, rows.
 const MOST_ROWS: usize = 100;
 /// So many rows tell the resolution.
@@ -22,7 +25,9 @@ pub struct Readings {
     pub step_pa: Option<f64>,
     /// How often the pressure changes, Hz, where that is less often than the rows: held or interpolated between.
     pub readout_hz: Option<f64>,
-    /// Standard deviation of the pressure from row to row, Pa, slow changes aside.
+    /// Rows from one readout to the next, and the first row that is one.
+    readout: Readout,
+    /// Standard deviation of the pressure from readout to readout, Pa, slow changes aside.
     pub noise_pa: f64,
 }
 
@@ -31,18 +36,22 @@ impl Readings {
     pub fn of(time_s: &[f64], pressure_pa: &[f64]) -> Self {
         let intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let interval_s = median(intervals.clone());
+        let readout = Readout::of(pressure_pa);
+        // Between readouts there is no noise.
+        let read: Vec<f64> = readout.rows(0..pressure_pa.len()).map(|row| pressure_pa[row]).collect();
         Self {
             interval_s,
             gaps: intervals.iter().filter(|interval| **interval > 1.5 * interval_s).count(),
-            step_pa: step(&pressure_pa[..pressure_pa.len().min(RESOLUTION_ROWS)]),
-            readout_hz: readout_rows(pressure_pa).map(|rows| 1.0 / (interval_s * rows as f64)),
-            noise_pa: white_noise(pressure_pa),
+            step_pa: step(&read[..read.len().min(RESOLUTION_ROWS)]),
+            readout_hz: (readout.every > 1).then(|| 1.0 / (interval_s * readout.every as f64)),
+            readout,
+            noise_pa: white_noise(&read),
         }
     }
 
-    /// Rows from one readout to the next.
-    pub fn rows_a_readout(&self) -> usize {
-        self.readout_hz.map_or(1, |hz| (self.rate_hz() / hz).round() as usize)
+    /// Those of some rows at which the sensor was read out.
+    pub fn read_out(&self, rows: Range<usize>) -> impl Iterator<Item = usize> + use<> {
+        self.readout.rows(rows)
     }
 
     /// Standard deviation of a pressure, Pa, its rounding included.
@@ -53,6 +62,39 @@ impl Readings {
     /// Rows in a second.
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.interval_s
+    }
+}
+
+/// Which rows are readouts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Readout {
+    every: usize,
+    first: usize,
+}
+
+impl Readout {
+    const EACH_ROW: Self = Self { every: 1, first: 0 };
+
+    /// At which multiple of rows the pressure is read out: where it changes (held between), or where it bends (interpolated).
+    fn of(pressure: &[f64]) -> Self {
+        let changes = (1..pressure.len()).filter(|&i| pressure[i] != pressure[i - 1]).collect::<Vec<_>>();
+        let bends: Vec<f64> = bends(pressure).collect();
+        let interpolated = || {
+            // Straight lines between readings bend by rounding only: far less than the readings' own noise.
+            let mut sorted = bends.clone();
+            sorted.sort_by(f64::total_cmp);
+            let typical = *sorted.get(sorted.len() * 97 / 100)?;
+            let kinks: Vec<usize> = (0..bends.len()).filter(|&i| bends[i] > 0.1 * typical).map(|i| i + 1).collect();
+            if kinks.len() as f64 > MOST_KINKS * bends.len() as f64 { None } else { period(&kinks) }
+        };
+        period(&changes).or_else(interpolated).unwrap_or(Self::EACH_ROW)
+    }
+
+    /// Those among some rows.
+    fn rows(self, rows: Range<usize>) -> impl Iterator<Item = usize> {
+        let Self { every, first } = self;
+        let begin = rows.start + (first + every - rows.start % every) % every;
+        (begin..rows.end).step_by(every)
     }
 }
 
@@ -80,33 +122,16 @@ fn step(values: &[f64]) -> Option<f64> {
     (near.len() >= 3 && off < 0.08).then_some(step)
 }
 
-/// At which multiple of rows the pressure is read out: where it changes (held between), or where it bends (interpolated).
-fn readout_rows(pressure: &[f64]) -> Option<usize> {
-    let changes = (1..pressure.len()).filter(|&i| pressure[i] != pressure[i - 1]).collect::<Vec<_>>();
-    period(&changes).or_else(|| {
-        let bend = |i: usize| (pressure[i + 1] - 2.0 * pressure[i] + pressure[i - 1]).abs();
-        let bends: Vec<f64> = (1..pressure.len().saturating_sub(1)).map(bend).collect();
-        let largest = bends.iter().copied().fold(0.0, f64::max);
-        // Straight lines between readings bend by rounding only: far less than the readings' own noise.
-        let typical = {
-            let mut sorted = bends.clone();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get(sorted.len() * 97 / 100).copied().unwrap_or(largest)
-        };
-        let kinks: Vec<usize> = (0..bends.len()).filter(|&i| bends[i] > 0.1 * typical).collect();
-        if kinks.len() * 2 > bends.len() { None } else { period(&kinks) }
-    })
-}
-
 /// The largest k from 2 on for which nearly all indices have the same remainder.
-fn period(indices: &[usize]) -> Option<usize> {
+fn period(indices: &[usize]) -> Option<Readout> {
     if indices.len() < CHANGES {
         return None;
     }
-    (2..=MOST_ROWS).rev().find(|k| {
-        let mut counts = vec![0_usize; *k];
-        indices.iter().for_each(|index| counts[index % k] += 1);
-        counts.iter().max().is_some_and(|most| *most as f64 >= SHARE * indices.len() as f64)
+    (2..=MOST_ROWS).rev().find_map(|every| {
+        let mut counts = vec![0_usize; every];
+        indices.iter().for_each(|index| counts[index % every] += 1);
+        let first = counts.iter().position(|count| *count as f64 >= SHARE * indices.len() as f64)?;
+        Some(Readout { every, first })
     })
 }
 
@@ -149,9 +174,14 @@ mod tests {
             fine[from] + (fine[to] - fine[from]) * (k % 10) as f64 / 10.0
         };
         for slow in [held, (0..3000).map(straight).collect()] {
-            let found = Readings::of(&times(3000), &slow).readout_hz.unwrap();
-            assert!((found - 10.0).abs() < 1e-6, "{found}");
+            let found = Readings::of(&times(3000), &slow);
+            assert!((found.readout_hz.unwrap() - 10.0).abs() < 1e-6, "{found:?}");
+            assert!(found.read_out(11..45).eq([20, 30, 40]), "{found:?}");
         }
+        let every_second = |k: usize| if k % 2 == 0 { fine[k] } else { 0.5 * (fine[k - 1] + fine[k + 1]) };
+        let found = Readings::of(&times(2999), &(0..2999).map(every_second).collect::<Vec<f64>>());
+        assert!((found.readout_hz.unwrap() - 50.0).abs() < 1e-6, "{found:?}");
+        assert!((found.noise_pa / (60.0 / 3.0_f64.sqrt()) - 1.0).abs() < 0.3, "{found:?}");
     }
 
     #[test]

@@ -28,6 +28,8 @@ pub struct Readout {
     pub outliers: Vec<usize>,
     /// How many rows at the beginning are no data since a filter shows there that began elsewhere.
     pub starting: usize,
+    /// How many rows at the beginning are no data since the port was shut only then: see [`shut_from`](records::shut_from).
+    pub shut: usize,
     /// Rows that are no data since nothing tells where the piston is.
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
@@ -45,17 +47,17 @@ impl Readout {
     #[inline]
     pub fn is_data(&self, row: usize) -> bool {
         self.readings.are_at(row)
-            && !self.is_starting(row)
+            && !self.is_early(row)
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
             && !self.is_saturated(row)
             && !self.unfollowed.iter().chain(&self.at_gaps).any(|rows| rows.contains(&row))
     }
 
-    /// Whether a filter that began elsewhere shows at a row.
+    /// Whether a filter settles, or the port is shut, only after a row.
     #[inline]
-    pub fn is_starting(&self, row: usize) -> bool {
-        row < self.starting
+    pub fn is_early(&self, row: usize) -> bool {
+        row < self.starting.max(self.shut)
     }
 
     /// Whether the sensor is at an end of its range at a row.
