@@ -4,7 +4,7 @@
 //! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding whatever the integrator does.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
-pub use crate::parts::{Boundary, Conditions, Contents, Flows, Rates, Surroundings, Tight};
+pub use crate::parts::{Boundary, Conditions, Contents, Course, Flows, Rates, Surroundings, Tight};
 
 use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
 use crate::gas::Gas;
@@ -312,8 +312,9 @@ impl<R: Real> Balances<R> {
         if !S::TIGHT {
             let [_, for_pressure] = self.enthalpy(set, &at, &flows);
             let unstored = at.pressure_rate(heat_flow + for_pressure, work);
-            let unstored = if volumetric { unstored * give } else { unstored };
-            effects::storage(set, &chamber.effects, &at, unstored, &mut flows);
+            let rate = if volumetric { unstored * give } else { unstored };
+            let excess = self.excess_of_ambient(set, &at);
+            effects::storage(set, &chamber.effects, &at, &Course { rate, give, excess }, &mut flows);
         }
 
         let [enthalpy_flow, for_pressure] = if S::TIGHT { [R::ZERO; 2] } else { self.enthalpy(set, &at, &flows) };
@@ -359,6 +360,17 @@ impl<R: Real> Balances<R> {
         let [for_energy, for_pressure] = effects::excess_enthalpy(set, &self.chamber.effects, at, flows);
         let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
         [enthalpy + for_energy, enthalpy + for_pressure]
+    }
+
+    /// Temperature, K, by which gas that enters from the surroundings counts as warmer than it is in the pressure's rate.
+    #[inline(always)]
+    fn excess_of_ambient(&self, set: EffectSet, at: &Conditions<R>) -> R {
+        if set.intersection(effects::CALORIC).is_empty() {
+            return R::ZERO;
+        }
+        let mut unit = Flows::NONE;
+        unit.enter(R::ONE, at.ambient_temperature);
+        effects::excess_enthalpy(set, &self.chamber.effects, at, &unit)[1] / at.cp
     }
 
     /// Rates of the first `N` states, per second: what an integrator needs.

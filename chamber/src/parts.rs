@@ -119,6 +119,17 @@ impl<R: Real> Conditions<R> {
     }
 }
 
+/// How the pressure would go on if no gas were stored beside the chamber.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<R> {
+    /// Its rate, Pa/s.
+    pub rate: R,
+    /// By how much less it changes for a flow since the volume gives way to it, 1 where that does not.
+    pub give: R,
+    /// Temperature by which gas from the surroundings counts as warmer than it is, as the heat capacity depends on temperature, K.
+    pub excess: R,
+}
+
 /// Gas that enters and leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Flows<R> {

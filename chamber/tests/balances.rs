@@ -7,6 +7,7 @@ mod any;
 use any::{any_boundary, any_chamber};
 use chamber::balance::{self, Balances, Boundary, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects;
+use chamber::effects::empirical::{Curve, Term, Variable};
 use chamber::integrate::{Integrator, Tolerance};
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
@@ -66,6 +67,30 @@ proptest! {
             prop_assert_eq!(with.wall_temperature != without.wall_temperature, is_of_wall, "{}", card.name);
             let put_back = balance::Conditions { wall_temperature: without.wall_temperature, ..with };
             prop_assert!(!is_of_wall || format!("{put_back:?}") == format!("{without:?}"), "{}", card.name);
+        }
+    }
+
+    #[test]
+    fn gas_that_leaves_a_tight_chamber_is_in_the_tube(
+        chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
+    ) {
+        let boundary = Boundary { mass_flow_in: 0.0, mass_flow_out: 0.0, ..boundary };
+        let mut chamber = with_effect(chamber, "tube_volume", &[5e-6]);
+        for beside in [[0.0; 2], [1e-3, 0.0], [1e-3, 1e-6]] {
+            chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &beside);
+            for share in [0.0, 0.2] {
+                let curve = Curve {
+                    term: Term::VolumeShare,
+                    variable: Variable::Pressure,
+                    knots: vec![0.0, 1e6],
+                    values: vec![0.0, share],
+                };
+                chamber = with_effect(chamber, "empirical", &curve.parameters());
+                let state = balance::state_at(&chamber, &boundary, p, t);
+                let (at, rates, _) = balance::evaluate(chamber.active(), &chamber, &boundary, &state);
+                let stored = 5e-6 / (at.gas_constant * at.ambient_temperature) * rates.pressure;
+                prop_assert!((rates.mass + stored).abs() < 1e-13 * stored.abs(), "{beside:?} {share}: {} {stored}", rates.mass);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::card::Card;
 use crate::gas::Gas;
-use crate::parts::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Course, Flows, Rates};
 use crate::real::Real;
 
 /// One physical effect. `p` are its parameters in the card's order, `own` its own states.
@@ -113,10 +113,10 @@ pub trait Effect {
     /// indicators of a host that integrates itself. `out` has [`Effect::KINKS`] places.
     fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
 
-    /// Gas that leaves (positive) because pressure rises at `pressure_rate`, Pa/s, if nothing left: returns the flow in
-    /// kg/s and the temperature it has, K. See [`tube_volume`](super::tube_volume).
+    /// Gas that leaves (positive) because of the pressure's [`Course`]: returns the flow in kg/s and the temperature it has, K. See
+    /// [`tube_volume`](super::tube_volume).
     #[inline(always)]
-    fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _pressure_rate: R) -> Option<(R, R)> {
+    fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _course: &Course<R>) -> Option<(R, R)> {
         None
     }
 

@@ -14,7 +14,7 @@ pub use values::EffectValues;
 
 use crate::card::{ActsOn, Balance, Card};
 use crate::gas::Gas;
-use crate::parts::{Conditions, Flows, Rates};
+use crate::parts::{Conditions, Course, Flows, Rates};
 use crate::real::Real;
 
 macro_rules! effects {
@@ -229,10 +229,10 @@ macro_rules! effects {
         /// Adds [`Effect::storage`] of the effects in `set` to the flows.
         #[inline(always)]
         pub fn storage<R: Real>(
-            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, pressure_rate: R, flows: &mut Flows<R>,
+            set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, course: &Course<R>, flows: &mut Flows<R>,
         ) {
             $(if set.has($module::$name::PLACE) {
-                if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, pressure_rate) {
+                if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, course) {
                     flows.leave(flow, temperature);
                 }
             })*

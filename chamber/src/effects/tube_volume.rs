@@ -2,11 +2,13 @@
 //!
 //! ṁ = Vt/(R Tamb) dP/dt flows into the tube; it leaves the chamber at T and returns at Tamb, so
 //! dP/dt = (dP/dt without tube) / (1 + γ (Vt/V) (Tx/Tamb)), Tx = T while pressure rises, Tamb while it falls.
+//! With a heat capacity that depends on temperature Tamb counts in this by (h(Tamb) − u(T))/cp + T/γ, and where the volume V gives way
+//! to the pressure, V as it does.
 //! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
 
 use super::Effect;
 use crate::card::{Balance, Card, Parameter, Unit};
-use crate::parts::{Conditions, Rates};
+use crate::parts::{Conditions, Course, Rates};
 use crate::real::Real;
 
 /// An isothermal volume joined to the chamber.
@@ -40,11 +42,12 @@ impl Effect for TubeVolume {
     }
 
     #[inline(always)]
-    fn storage<R: Real>(p: &[R], at: &Conditions<R>, pressure_rate: R) -> Option<(R, R)> {
+    fn storage<R: Real>(p: &[R], at: &Conditions<R>, course: &Course<R>) -> Option<(R, R)> {
         let volume = p[0];
-        let temperature = pressure_rate.where_positive(at.temperature, at.ambient_temperature);
-        let stiffening = at.heat_capacity_ratio * volume * temperature / (at.volume * at.ambient_temperature) + 1.0;
-        let flow = volume / (at.gas_constant * at.ambient_temperature) * pressure_rate / stiffening;
+        let temperature = course.rate.where_positive(at.temperature, at.ambient_temperature);
+        let as_warm = temperature + course.rate.where_positive(R::ZERO, course.excess);
+        let share = course.give * at.heat_capacity_ratio * volume * as_warm / (at.volume * at.ambient_temperature);
+        let flow = volume / (at.gas_constant * at.ambient_temperature) * course.rate / (share + 1.0);
         Some((flow, temperature))
     }
 }
