@@ -10,7 +10,7 @@ use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 pub const WIDTH: usize = 16;
 
 /// [`WIDTH`] numbers that go through the same operations.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
 

@@ -76,7 +76,7 @@ pub enum Guess {
 }
 
 /// Pressure records to regress, one in each lane, as parts of a curve.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Records {
     parts: Vec<RecordPart<Lanes>>,
     lengths: [usize; WIDTH],
@@ -109,12 +109,6 @@ impl Regressions {
         let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
         let found = [final_pressure, rise, time_constant].iter().all(|v| v.is_finite());
         found.then_some(Regression { final_pressure, rise, time_constant, misfit })
-    }
-}
-
-impl Default for Records {
-    fn default() -> Self {
-        Self { parts: Vec::new(), lengths: [0; WIDTH], nodes: Vec::new(), begin: [Lanes::ZERO; 2] }
     }
 }
 

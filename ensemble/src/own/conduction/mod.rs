@@ -55,16 +55,11 @@ fn relative(options: &Options) -> f64 {
 }
 
 /// What is kept from one batch to the next.
+#[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
     /// Responses over the last steps of rows: most rows of a study are held equally long.
     last: Box<Response<Lanes>>,
-}
-
-impl Default for Memory {
-    fn default() -> Self {
-        Self { chambers: Chambers::default(), last: Box::new(Response::NONE) }
-    }
 }
 
 /// The coarsest steps for a row: the record of a sensor that lags is read from polynomials between their ends.

@@ -13,7 +13,7 @@ use pulp::{Arch, Simd, WithSimd};
 use std::sync::OnceLock;
 
 /// How the modes respond to d over a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Response<R> {
     /// Its length, s.
     pub length: R,
@@ -26,13 +26,6 @@ pub struct Response<R> {
 }
 
 impl<R: Real> Response<R> {
-    pub const NONE: Self = Self {
-        length: R::ZERO,
-        kept: [[R::ZERO; MODES]; NODES],
-        warming: [[R::ZERO; NODES]; NODES],
-        fed: [[R::ZERO; NODES]; MODES],
-    };
-
     /// Works out that over a length, s.
     #[inline(always)]
     fn work_out(&mut self, length: R) {
@@ -67,7 +60,7 @@ impl Response<f64> {
     pub fn of(number: usize) -> &'static Self {
         static ALL: [OnceLock<Response<f64>>; LENGTHS] = [const { OnceLock::new() }; LENGTHS];
         ALL[number].get_or_init(|| {
-            let mut response = Self::NONE;
+            let mut response = Self::default();
             response.work_out(length(number));
             response
         })
@@ -107,7 +100,7 @@ mod tests {
     fn modes_respond_as_their_equations_say_from_slow_to_stiff() {
         let drive = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(4);
         for length in [1e-3, 0.03, 0.5, 20.0] {
-            let mut response = Response::NONE;
+            let mut response = Response::default();
             response.work_out(length);
             let values = PLACES.map(drive);
             let mut surface = [0.0; NODES];

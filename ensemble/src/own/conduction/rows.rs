@@ -24,6 +24,7 @@ use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
 /// What is kept from one batch to the next.
+#[derive(Default)]
 pub struct Memory {
     tests: Vec<Test>,
     problems: Vec<Problem<N>>,
@@ -33,19 +34,6 @@ pub struct Memory {
     last: Box<Response<Lanes>>,
     steps: Vec<Passed>,
     records: Records,
-}
-
-impl Default for Memory {
-    fn default() -> Self {
-        Self {
-            tests: Vec::new(),
-            problems: Vec::new(),
-            open: Vec::new(),
-            last: Box::new(Response::NONE),
-            steps: Vec::new(),
-            records: Records::default(),
-        }
-    }
 }
 
 /// T in a state.
