@@ -11,8 +11,8 @@ use chamber::real::Real;
 use chamber::signals::Knot;
 
 /// A boundary linear in time, from its start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch<R = f64> {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stretch<R: Real = f64> {
     /// Time since the start, s, that the record has reached when it shows the stretch's start.
     pub elapsed: R,
     /// Length, s.
@@ -93,26 +93,6 @@ impl Stretch<Lanes> {
 }
 
 impl Stretch<f64> {
-    /// The same stretch in every lane.
-    pub fn lift(&self) -> Stretch<Lanes> {
-        Stretch {
-            elapsed: self.elapsed.into(),
-            length: self.length.into(),
-            position: self.position.into(),
-            velocity: self.velocity.into(),
-            inflow: self.inflow.map(Lanes::from),
-            inflow_rate: self.inflow_rate.into(),
-            temperature_in: self.temperature_in.into(),
-            outflow: self.outflow.into(),
-            outflow_rate: self.outflow_rate.into(),
-            ambient_temperature: self.ambient_temperature.into(),
-            ambient_temperature_rate: self.ambient_temperature_rate.into(),
-            ambient_pressure: self.ambient_pressure.into(),
-            profiled: self.profiled,
-            clock: Clock::NONE,
-        }
-    }
-
     /// The stretch from a time `t` after its start on.
     fn after(&self, t: f64) -> Self {
         let at = self.boundary(t);
@@ -324,20 +304,14 @@ pub fn times(scenario: &Scenario) -> Result<(f64, f64), Failure> {
 
 fn still(s: &Scenario, position: f64, length: f64) -> Stretch {
     Stretch {
-        elapsed: 0.0,
         length,
         position,
-        velocity: 0.0,
         inflow: [s.mass_flow_in_kg_per_s, 0.0],
-        inflow_rate: 0.0,
         temperature_in: s.temperature_in_k,
         outflow: s.mass_flow_out_kg_per_s,
-        outflow_rate: 0.0,
         ambient_temperature: s.ambient_temperature_k,
-        ambient_temperature_rate: 0.0,
         ambient_pressure: s.ambient_pressure_pa,
-        profiled: false,
-        clock: Clock::RESTING,
+        ..Stretch::default()
     }
 }
 

@@ -104,7 +104,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         let balance = Balances::of(balance.chamber.lift());
         let all = balance::moving_states(set);
         let moving = Self::PLACES.iter().filter(|place| **place < all).count();
-        let stretch = stretch.lift();
+        let stretch = Stretch { profiled: stretch.profiled, ..Stretch::default() };
         let one = Lanes::ONE;
         Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }

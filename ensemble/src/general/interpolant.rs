@@ -36,7 +36,7 @@ impl Stencils {
     /// For a quantity between a knot and the next of each lane's segment, of which there are clock and knots.
     pub fn new<'a>(quantity: usize, mut of: impl FnMut(usize) -> (&'a Clock, &'a [Knot], usize)) -> Self {
         let zero = [Lanes::ZERO; KNOTS];
-        let mut all = Self { clock: Clock::NONE, at: zero, value: zero, slope: zero, count: Lanes::ZERO };
+        let mut all = Self { clock: Clock::default(), at: zero, value: zero, slope: zero, count: Lanes::ZERO };
         for lane in 0..WIDTH {
             let (clock, knots, index) = of(lane);
             let (picked, count) = pick(knots, index);

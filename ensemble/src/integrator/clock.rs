@@ -31,21 +31,30 @@ pub struct Clock<R = f64> {
 /// b of clocks that are bent.
 const BENT: f64 = 0.999;
 
-impl Clock<f64> {
+impl<R: Real> Clock<R> {
     /// The clock of a held unit volume: w stays 1.
-    pub const RESTING: Self = Self { start: 1.0, root_rate: 0.0, pace_factor: 1.0, straight: 1.0, bend: 0.0 };
+    pub const RESTING: Self =
+        Self { start: R::ONE, root_rate: R::ZERO, pace_factor: R::ONE, straight: R::ONE, bend: R::ZERO };
+}
 
+impl<R: Real> Default for Clock<R> {
+    fn default() -> Self {
+        Self::RESTING
+    }
+}
+
+impl Clock<f64> {
     /// From one volume, m³, to another over `length`, s.
     pub fn new(from: f64, to: f64, length: f64) -> Self {
         if from == to {
             // Every hold: half the roots.
             let root = from.sqrt().sqrt();
-            return Self { start: root, pace_factor: 1.0 / (root * root * root), ..Self::RESTING };
+            return Self { start: root, pace_factor: 1.0 / (root * root * root), ..Self::default() };
         }
         let [square, end_square] = [from.sqrt(), to.sqrt()];
         let [start, end] = [square.sqrt(), end_square.sqrt()];
         let pace_factor = 4.0 / ((start + end) * (square + end_square));
-        Self { start, root_rate: (end - start) / length, pace_factor, ..Self::RESTING }
+        Self { start, root_rate: (end - start) / length, pace_factor, ..Self::default() }
     }
 
     /// The same over `length`, s, bent.
@@ -102,15 +111,6 @@ impl Clock<f64> {
 }
 
 impl Clock<Lanes> {
-    /// A clock that stands in every lane, to be loaded lane by lane.
-    pub const NONE: Self = Self {
-        start: Lanes::ZERO,
-        root_rate: Lanes::ZERO,
-        pace_factor: Lanes::ZERO,
-        straight: Lanes::ONE,
-        bend: Lanes::ZERO,
-    };
-
     /// w'/w at a moment. Zero where the clock is bent: there w goes as no simple power.
     #[inline(always)]
     pub fn widening(&self, at: Lanes) -> Lanes {
@@ -159,7 +159,7 @@ mod tests {
             let clock = Clock::new(from, to, length);
             let time = clock.time(s);
             prop_assert!((clock.time(length) / length - 1.0).abs() < 1e-13);
-            let mut lanes = Clock::NONE;
+            let mut lanes = Clock::default();
             lanes.load(3, &clock);
             prop_assert!((lanes.shown(Lanes::from(time))[3] - s).abs() < 1e-13 * length);
             prop_assert!((clock.root(s).powi(4) / (from + (to - from) * time / length) - 1.0).abs() < 1e-13);
@@ -173,7 +173,7 @@ mod tests {
     fn a_bent_clock_tells_the_same_times() {
         for to in [1e-5, 3e-5] {
             let (plain, bent) = (Clock::new(3e-5, to, 2.0), Clock::new(3e-5, to, 2.0).bent(2.0));
-            let mut lanes = Clock::NONE;
+            let mut lanes = Clock::default();
             lanes.load(4, &bent);
             for r in [0.0, 1e-3, 0.3, 1.1, 2.0] {
                 let ([s, _], (time, pace)) = (bent.unbent(r), bent.time_and_pace(r));
@@ -191,7 +191,7 @@ mod tests {
     fn where_the_piston_rests_the_clock_is_the_time() {
         let clock = Clock::new(3e-5, 3e-5, 5.0);
         assert!((clock.time(2.0) - 2.0).abs() < 1e-15);
-        let mut lanes = Clock::NONE;
+        let mut lanes = Clock::default();
         lanes.load(5, &clock);
         assert_eq!(lanes.shown(Lanes::from(2.0))[5], 2.0);
         assert!((clock.pace(2.0) - 1.0).abs() < 1e-15);

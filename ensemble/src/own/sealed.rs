@@ -90,7 +90,7 @@ impl Moving<'_> {
     /// For tests that are loaded as they come.
     pub const NONE: Moving<'static> = Moving {
         tests: &[],
-        clock: Clock::NONE,
+        clock: Clock::RESTING,
         exchange: [Lanes::ZERO; 2],
         expansion_rate: Lanes::ZERO,
         wall: Lanes::ZERO,

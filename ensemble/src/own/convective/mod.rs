@@ -141,18 +141,18 @@ impl OwnTest<2> for ConvectiveTest {
 
 /// The pushes of up to as many tests as there are lanes.
 fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
-    let zero = Lanes::ZERO;
-    let mut all =
-        Pushes { clock: Clock::NONE, exponent: zero, expansion: zero, exchange: [zero; 2], wall: zero, length: zero };
-    for lane in 0..WIDTH {
-        let index = lane.min(tests.len() - 1);
-        let ConvectiveTest { gas: SealedTest { closed, clock, .. }, exponent, .. } = &tests[index];
-        all.clock.load(lane, clock);
-        (all.exponent[lane], all.expansion[lane]) = (*exponent, closed.expansion);
-        (all.exchange[0][lane], all.exchange[1][lane]) = (closed.exchange[0], closed.exchange[1]);
-        (all.wall[lane], all.length[lane]) = (closed.ambient_temperature, problems[index].length);
+    let at = |lane: usize| lane.min(tests.len() - 1);
+    let gas = |lane: usize| &tests[at(lane)].gas;
+    let mut clock = Clock::default();
+    (0..WIDTH).for_each(|lane| clock.load(lane, &gas(lane).clock));
+    Pushes {
+        clock,
+        exponent: Lanes::from_fn(|lane| tests[at(lane)].exponent),
+        expansion: Lanes::from_fn(|lane| gas(lane).closed.expansion),
+        exchange: [0, 1].map(|of| Lanes::from_fn(|lane| gas(lane).closed.exchange[of])),
+        wall: Lanes::from_fn(|lane| gas(lane).closed.ambient_temperature),
+        length: Lanes::from_fn(|lane| problems[at(lane)].length),
     }
-    all
 }
 
 /// Tests, one a lane, while their pistons move.

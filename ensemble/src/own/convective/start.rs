@@ -190,7 +190,7 @@ mod tests {
             let root = clock.root(0.0);
             // `speed` is f0 Tw |Tw/20 K|^n.
             let exchange = speed / (clock.pace_factor * root * wall * (wall / REFERENCE_DIFFERENCE_K).powf(exponent));
-            let mut clocks = Clock::NONE;
+            let mut clocks = Clock::default();
             (0..crate::lanes::WIDTH).for_each(|lane| clocks.load(lane, &clock));
             let pushes = Pushes {
                 clock: clocks,
