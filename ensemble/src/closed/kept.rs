@@ -9,6 +9,7 @@
 //!
 //! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
 
+use crate::lanes::Lanes;
 use crate::numerics::gauss::{Mirrored, NODES, RULE, node};
 use chamber::balance::{Balances, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
@@ -29,26 +30,31 @@ pub const EFFECTS: EffectSet = {
 
 /// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
-pub struct Exchange<'a, R> {
+pub struct Exchange<'a> {
     set: EffectSet,
     /// c/λ0, to be multiplied by λ and the area.
-    per_coefficient: R,
-    balance: &'a Balances<R>,
+    per_coefficient: Lanes,
+    balance: &'a Balances<Lanes>,
     /// A state of the gas: what the effects look at beside the volume does not matter.
-    boundary: Boundary<R>,
+    boundary: Boundary<Lanes>,
 }
 
 /// By how much, over itself, c f A may miss a line through it that stands for it.
 const ROUNDING: f64 = 4e-15;
 
-impl<'a, R: Real> Exchange<'a, R> {
+impl<'a> Exchange<'a> {
     /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
     /// piston rests.
     #[inline(always)]
-    pub fn new(set: EffectSet, balance: &'a Balances<R>, closed: &Closed<R>, ambient_temperature: R) -> Self {
+    pub fn new(
+        set: EffectSet,
+        balance: &'a Balances<Lanes>,
+        closed: &Closed<Lanes>,
+        ambient_temperature: Lanes,
+    ) -> Self {
         let law = &balance.chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
-        let boundary = Boundary::closed(R::ZERO, ambient_temperature, R::from(1e5));
+        let boundary = Boundary::closed(Lanes::ZERO, ambient_temperature, Lanes::from(1e5));
         // So that the code has no others.
         let set = set.intersection(EFFECTS);
         Self { set, per_coefficient: closed.expansion / scale, balance, boundary }
@@ -56,40 +62,29 @@ impl<'a, R: Real> Exchange<'a, R> {
 
     /// From now on of a piston with that velocity, m/s.
     #[inline(always)]
-    pub fn move_at(&mut self, velocity: R) {
+    pub fn move_at(&mut self, velocity: Lanes) {
         self.boundary.velocity = velocity;
     }
 
     #[inline(always)]
-    fn conditions(&self, volume: R) -> Conditions<R> {
-        let contents = Contents::new(R::from(1e-3), R::from(1e2), volume);
+    fn conditions(&self, volume: Lanes) -> Conditions<Lanes> {
+        let contents = Contents::new(Lanes::from(1e-3), Lanes::from(1e2), volume);
         let mut at = self.balance.conditions(self.set, &self.boundary, &contents);
-        effects::conditions(self.set, &self.balance.chamber.effects, &[R::ZERO; OWN_STATES], &mut at);
+        effects::conditions(self.set, &self.balance.chamber.effects, &[Lanes::ZERO; OWN_STATES], &mut at);
         at
     }
 
     /// Temperature of the wall, K.
     #[inline(always)]
-    pub fn wall(&self) -> R {
-        self.conditions(R::from(1e-3)).wall_temperature
-    }
-
-    /// c f A at a volume, m³.
-    #[inline(always)]
-    pub fn at(&self, volume: R) -> R {
-        let at = self.conditions(volume);
-        let Balances { chamber, area, .. } = self.balance;
-        let coefficient = chamber.heat_transfer.coefficient;
-        let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
-        let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
-        self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
+    pub fn wall(&self) -> Lanes {
+        self.conditions(Lanes::from(1e-3)).wall_temperature
     }
 
     /// c f A over a ramp between two volumes, m³, where its values at these are `ends`, as a line over V like
     /// [`Closed::exchange`], and by how much it misses that line at the end, less than what is rounding: none where it is not
     /// positive. The line goes through the start and a third place, as both ends may be one.
     #[inline(always)]
-    pub fn line(&self, [from, to]: [R; 2], ends: [R; 2]) -> ([R; 2], R) {
+    pub fn line(&self, [from, to]: [Lanes; 2], ends: [Lanes; 2]) -> ([Lanes; 2], Lanes) {
         let slope = (self.at(from + to) - ends[0]) / to;
         let missed = (ends[0] + slope * (to - from) - ends[1]).abs();
         ([slope, ends[0] - slope * from], missed - (ends[0] + ends[1]) * ROUNDING)
@@ -97,46 +92,51 @@ impl<'a, R: Real> Exchange<'a, R> {
 }
 
 /// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone.
-pub trait Heat<R: Real> {
+pub trait Heat {
     /// c f A at a volume, m³.
-    fn at(&self, volume: R) -> R;
+    fn at(&self, volume: Lanes) -> Lanes;
 }
 
-impl<R: Real> Heat<R> for Exchange<'_, R> {
+impl Heat for Exchange<'_> {
     #[inline(always)]
-    fn at(&self, volume: R) -> R {
-        self.at(volume)
+    fn at(&self, volume: Lanes) -> Lanes {
+        let at = self.conditions(volume);
+        let Balances { chamber, area, .. } = self.balance;
+        let coefficient = chamber.heat_transfer.coefficient;
+        let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
+        let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
+        self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
     }
 }
 
-impl<R: Real> Heat<R> for Closed<R> {
+impl Heat for Closed<Lanes> {
     #[inline(always)]
-    fn at(&self, volume: R) -> R {
+    fn at(&self, volume: Lanes) -> Lanes {
         self.exchange[0] * volume + self.exchange[1]
     }
 }
 
 /// One of the equal parts, in √V, of a ramp.
 #[derive(Clone, Copy, Debug)]
-pub struct RampPart<R> {
+pub struct RampPart {
     /// √V at its start, and its rise.
-    pub root: R,
+    pub root: Lanes,
     /// The rise of √V.
-    pub step: R,
+    pub step: Lanes,
     /// The dwell, s m^-½.
-    pub dwell: R,
+    pub dwell: Lanes,
     /// Temperature of the wall, K.
-    pub wall: R,
+    pub wall: Lanes,
     /// γ − 1.
-    pub expansion: R,
+    pub expansion: Lanes,
 }
 
-impl<R: Real> RampPart<R> {
+impl RampPart {
     /// At the nodes b dt/dx, in 1/K, into `exchange`, and how fast ln(1/T) grows where nothing is fed into `rates`; the
     /// factor by which 1/T so grows over the whole. (Arrays of lanes are too large to be handed back.)
     #[inline(always)]
-    fn along(&self, heat: &impl Heat<R>, exchange: &mut [R; NODES], rates: &mut [R; NODES]) -> R {
-        let (mut exchanged, expansion) = (R::ZERO, self.expansion * 2.0);
+    fn along(&self, heat: &impl Heat, exchange: &mut [Lanes; NODES], rates: &mut [Lanes; NODES]) -> Lanes {
+        let (mut exchanged, expansion) = (Lanes::ZERO, self.expansion * 2.0);
         for index in 0..black_box(NODES) {
             let (x, weight) = node(index);
             let q = self.root + self.step * x;
@@ -144,16 +144,16 @@ impl<R: Real> RampPart<R> {
             rates[index] = self.wall * exchange[index] - expansion * self.step / q;
             exchanged += exchange[index] * weight;
         }
-        (self.wall * exchanged - expansion * (R::ONE + self.step / self.root).ln()).exp()
+        (self.wall * exchanged - expansion * (Lanes::ONE + self.step / self.root).ln()).exp()
     }
 
     /// 1/T at its end, from that at its start.
     #[inline(always)]
-    pub fn end(&self, heat: &impl Heat<R>, inverse: R) -> R {
-        let [mut exchange, mut grown] = [[R::ZERO; NODES]; 2];
+    pub fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
+        let [mut exchange, mut grown] = [[Lanes::ZERO; NODES]; 2];
         let total = self.along(heat, &mut exchange, &mut grown);
         RULE.up_to_nodes(&Mirrored::new(&grown), &mut grown);
-        let mut integral = R::ZERO;
+        let mut integral = Lanes::ZERO;
         for index in 0..black_box(NODES) {
             integral += exchange[index] * grown[index].exp() * node(index).1;
         }
@@ -162,8 +162,8 @@ impl<R: Real> RampPart<R> {
 
     /// 1/T at its nodes, from that at its start, into `values`, and at its end.
     #[inline(always)]
-    pub fn nodes(&self, heat: &impl Heat<R>, inverse: R, values: &mut [R; NODES]) -> R {
-        let (rule, mut grown, mut integral) = (&*RULE, [R::ZERO; NODES], R::ZERO);
+    pub fn nodes(&self, heat: &impl Heat, inverse: Lanes, values: &mut [Lanes; NODES]) -> Lanes {
+        let (rule, mut grown, mut integral) = (&*RULE, [Lanes::ZERO; NODES], Lanes::ZERO);
         let total = self.along(heat, values, &mut grown);
         rule.up_to_nodes(&Mirrored::new(&grown), &mut grown);
         for index in 0..black_box(NODES) {

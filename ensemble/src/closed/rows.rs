@@ -3,7 +3,7 @@
 //! tolerance.
 
 use crate::Batch;
-use crate::closed::kept::Exchange;
+use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Behind, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
 use crate::ending::Ending;

@@ -47,19 +47,19 @@ impl ExactTest {
 /// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
 pub trait Ramp {
     /// 1/T at the end of one of the equal parts of a ramp.
-    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes;
+    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes;
 }
 
 impl Ramp for Closed<Lanes> {
     #[inline(always)]
-    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
+    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
         self.ramp_part(inverse, part.root, part.step, part.dwell)
     }
 }
 
-impl Ramp for Exchange<'_, Lanes> {
+impl Ramp for Exchange<'_> {
     #[inline(always)]
-    fn part(&self, part: &RampPart<Lanes>, inverse: Lanes) -> Lanes {
+    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
         part.end(self, inverse)
     }
 }
@@ -87,34 +87,23 @@ pub struct Ends {
 impl Tests {
     /// One of `all` in each lane, the last again in those that are left over.
     pub fn new(all: &[ExactTest], order: &[u32]) -> Self {
-        let zero = Lanes::ZERO;
-        let mut tests = Self {
-            closed: Closed { mass_gas_constant: zero, exchange: [zero; 2], expansion: zero, ambient_temperature: zero },
-            rate: zero,
-            parts: zero,
-            start: zero,
-            from: zero,
-            to: zero,
-            push: zero,
-            hold: zero,
+        let tests: [&ExactTest; WIDTH] = core::array::from_fn(|lane| &all[order[lane.min(order.len() - 1)] as usize]);
+        let closed = Closed {
+            mass_gas_constant: Lanes::from_fn(|lane| tests[lane].closed.mass_gas_constant),
+            exchange: [0, 1].map(|of| Lanes::from_fn(|lane| tests[lane].closed.exchange[of])),
+            expansion: Lanes::from_fn(|lane| tests[lane].closed.expansion),
+            ambient_temperature: Lanes::from_fn(|lane| tests[lane].closed.ambient_temperature),
         };
-        for lane in 0..WIDTH {
-            let test = &all[order[lane.min(order.len() - 1)] as usize];
-            let closed = &mut tests.closed;
-            closed.mass_gas_constant[lane] = test.closed.mass_gas_constant;
-            closed.exchange[0][lane] = test.closed.exchange[0];
-            closed.exchange[1][lane] = test.closed.exchange[1];
-            closed.expansion[lane] = test.closed.expansion;
-            closed.ambient_temperature[lane] = test.closed.ambient_temperature;
-            tests.rate[lane] = test.rate;
-            tests.parts[lane] = test.parts;
-            tests.start[lane] = test.start;
-            tests.from[lane] = test.from;
-            tests.to[lane] = test.to;
-            tests.push[lane] = test.push;
-            tests.hold[lane] = test.duration - test.push;
+        Self {
+            closed,
+            rate: Lanes::from_fn(|lane| tests[lane].rate),
+            parts: Lanes::from_fn(|lane| tests[lane].parts),
+            start: Lanes::from_fn(|lane| tests[lane].start),
+            from: Lanes::from_fn(|lane| tests[lane].from),
+            to: Lanes::from_fn(|lane| tests[lane].to),
+            push: Lanes::from_fn(|lane| tests[lane].push),
+            hold: Lanes::from_fn(|lane| tests[lane].duration - tests[lane].push),
         }
-        tests
     }
 
     /// Velocity of the push, m/s.
@@ -125,7 +114,7 @@ impl Tests {
 
     /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
     #[inline(always)]
-    pub fn nodes(&self, heat: &impl Heat<Lanes>, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
+    pub fn nodes(&self, heat: &impl Heat, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
         nodes.resize(self.most_parts(), [Lanes::ZERO; NODES]);
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
@@ -143,7 +132,7 @@ impl Tests {
 
     /// One of the equal parts of the push.
     #[inline(always)]
-    fn part(&self, index: usize) -> RampPart<Lanes> {
+    fn part(&self, index: usize) -> RampPart {
         let (begin, end) = (self.from.sqrt(), self.to.sqrt());
         let step = (end - begin) / self.parts;
         let dwell = self.push * 2.0 / (begin + end) / self.parts;

@@ -7,7 +7,7 @@ use crate::general::Kind;
 use crate::general::equations::{self, General, Row};
 use crate::general::history::{History, Knot};
 use crate::general::relaxing_rows::{self, AfterPush};
-use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, advance};
+use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch, advance};
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::View;
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
@@ -217,14 +217,14 @@ fn integrate<const N: usize, const BITS: u32>(
         problems.extend(active.iter().map(|&c| problem(&courses[c], &states[c])));
         let system = General::<N, BITS>::new(&systems, set);
         advance(batch.arch, &system, &mut problems, batch.options.relative_tolerance, history);
-        if history.is_at_limit() {
+        if Watch::<N>::is_full(history) {
             return false;
         }
         for (&c, problem) in active.iter().zip(&problems) {
             pass(&mut courses[c], &mut states[c], problem);
         }
     }
-    !history.is_at_limit()
+    !Watch::<N>::is_full(history)
 }
 
 /// Boundary of the chamber at the end of a stretch, SI units.

@@ -37,12 +37,6 @@ impl History {
         self.lanes.clear();
     }
 
-    /// Whether it holds as many steps as its limit allows.
-    #[inline(always)]
-    pub fn is_at_limit(&self) -> bool {
-        self.limit.is_some_and(|limit| self.lanes.len() >= limit * STRIDE)
-    }
-
     /// Keeps a step of all lanes: its end, whether it is one (1) or not (0), and what is seen there.
     #[inline(always)]
     pub fn push(&mut self, at: Lanes, taken: Lanes, View { value, slope }: &View<Lanes>) {
@@ -81,6 +75,6 @@ impl<const N: usize> Watch<N> for History {
 
     #[inline(always)]
     fn is_full(&self) -> bool {
-        self.is_at_limit()
+        self.limit.is_some_and(|limit| self.lanes.len() >= limit * STRIDE)
     }
 }

@@ -86,9 +86,7 @@ pub fn push<const N: usize, T: OwnTest<N>>(
 
 impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
     fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-        if T::HAS_KINDS {
-            rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[row.0 as usize]));
-        }
+        rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[row.0 as usize]));
         run(batch, self, rows, left, out);
     }
 }

@@ -262,7 +262,7 @@ impl Holding<1> for Held<'_> {
 
     /// By the line that the heat flow is in the middle.
     #[inline(always)]
-    fn within(&self, [begin, end]: [&[Lanes; 1]; 2], length: Lanes) -> Hermite<Lanes> {
+    fn within(&self, [begin, end]: [&[Lanes; 1]; 2], length: Lanes) -> Hermite {
         let middle = (begin[0] + end[0]) * 0.5;
         let line = black_box(self.source.line(middle * middle));
         let before = black_box(self.series_along(line, begin[0], length));

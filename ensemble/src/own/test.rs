@@ -18,8 +18,6 @@ use pulp::{Arch, Simd, WithSimd};
 pub trait OwnTest<const N: usize>: Sized {
     /// Whether tests that this way does not solve are solved in another.
     const HAS_ANOTHER_WAY: bool;
-    /// Whether tests are sorted by their [`OwnTest::kind`].
-    const HAS_KINDS: bool = false;
     /// Whether holds can turn round: see [`crate::own::turns`].
     const TURNS: bool = false;
     /// Longest step through a hold, as a share of it. Sums over samples need it where nothing else bounds steps by how far the
@@ -69,15 +67,10 @@ pub trait OwnTest<const N: usize>: Sized {
     fn pressure_per_reading(&self) -> f64 {
         self.gas().pressure_per_temperature()
     }
-    /// Length of the push's first step, as a share of the push; zero where that is to be found out.
-    fn first_step(&self) -> f64 {
-        0.0
-    }
     /// The push of a scenario, to be integrated.
     #[inline]
     fn push(&self, scenario: &Scenario) -> Problem<N> {
         let mut push = Problem::new(scenario.push_time_s, self.start(scenario), [0.0; N]);
-        push.first = self.first_step() * push.length;
         push.longest = LONGEST_OF_MOVE * push.length;
         push
     }
@@ -124,7 +117,7 @@ pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
     /// The reading over a step of `length`, s, between two states. It comes from the equations at its ends: as good as the
     /// integrator's own polynomial of degree 7, at a fraction of its stages.
     #[inline(always)]
-    fn within(&self, [begin, end]: [&[Lanes; N]; 2], length: Lanes) -> Hermite<Lanes> {
+    fn within(&self, [begin, end]: [&[Lanes; N]; 2], length: Lanes) -> Hermite {
         // Results pass through memory: else the compiler computes them lane by lane.
         let before = black_box(self.series(begin, length));
         let after = black_box(self.series(end, length));
@@ -145,16 +138,16 @@ pub struct Within<'a, const N: usize, H> {
 impl<const N: usize, H: Holding<N>> Within<'_, N, H> {
     /// That polynomial, with the instructions of the function around.
     #[inline(always)]
-    pub fn polynomial<I: Simd>(self, simd: I) -> Hermite<Lanes> {
+    pub fn polynomial<I: Simd>(self, simd: I) -> Hermite {
         if H::IS_LONG { simd.vectorize(self) } else { self.with_simd(simd) }
     }
 }
 
 impl<const N: usize, H: Holding<N>> WithSimd for Within<'_, N, H> {
-    type Output = Hermite<Lanes>;
+    type Output = Hermite;
 
     #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Hermite<Lanes> {
+    fn with_simd<I: Simd>(self, _: I) -> Hermite {
         self.system.within(self.ends, self.length)
     }
 }

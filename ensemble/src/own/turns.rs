@@ -153,7 +153,7 @@ struct FindTurn<'a, const N: usize, H> {
 
 /// How fast the reading goes away from its peak.
 struct Leaving {
-    within: Hermite<Lanes>,
+    within: Hermite,
     sign: Lanes,
 }
 

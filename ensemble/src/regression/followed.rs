@@ -103,7 +103,7 @@ pub struct Course<'a, F> {
     beta: Lanes,
     /// One over β y at the end.
     per_logarithm: Lanes,
-    relaxations: Hermite<Lanes>,
+    relaxations: Hermite,
 }
 
 impl<F: Followed> Curve for Course<'_, F> {

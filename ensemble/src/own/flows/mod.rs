@@ -57,7 +57,6 @@ pub struct FlowTest<L> {
 
 impl<L: Law> OwnTest<2> for FlowTest<L> {
     const HAS_ANOTHER_WAY: bool = true;
-    const HAS_KINDS: bool = true;
     const TURNS: bool = true;
     const LONGEST: f64 = LONGEST;
     type Moving<'a>
@@ -369,7 +368,7 @@ impl<L: Law> Holding<2> for Held<'_, L> {
 
     /// By the branches that the law has in the middle.
     #[inline(always)]
-    fn within(&self, [begin, end]: [&[Lanes; 2]; 2], length: Lanes) -> Hermite<Lanes> {
+    fn within(&self, [begin, end]: [&[Lanes; 2]; 2], length: Lanes) -> Hermite {
         let mut middle = *begin;
         for i in 0..2 {
             middle[i] = (begin[i] + end[i]) * 0.5;
