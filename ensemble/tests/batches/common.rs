@@ -107,6 +107,16 @@ pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
     (kept, rows)
 }
 
+/// A range around the pressures of the row of that number, Pa, and one to eight knots in it.
+fn knots_across(s: &Scenario, k: usize, r: &mut Numbers) -> ([f64; 2], Vec<f64>) {
+    let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+    let end = s.initial_pressure_pa * volumes[0] / volumes[1];
+    let (low, high) = (0.7 * end.min(s.initial_pressure_pa), 1.6 * end.max(s.initial_pressure_pa));
+    let mut knots: Vec<f64> = (0..1 + k % 8).map(|_| r.between(low, high)).collect();
+    knots.sort_by(f64::total_cmp);
+    ([low, high], knots)
+}
+
 /// Rows whose sensor shows a curve of its reading, of up to eight knots across the pressures of the test and steep enough to
 /// turn the record round, with other effects of the sensor before it.
 pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
@@ -116,11 +126,7 @@ pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
     let mut r = Numbers(77);
     let mut rows = sealed(count);
     for (k, s) in rows.iter_mut().enumerate() {
-        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let end = s.initial_pressure_pa * volumes[0] / volumes[1];
-        let (low, high) = (0.7 * end.min(s.initial_pressure_pa), 1.6 * end.max(s.initial_pressure_pa));
-        let mut knots: Vec<f64> = (0..1 + k % 8).map(|_| r.between(low, high)).collect();
-        knots.sort_by(f64::total_cmp);
+        let ([low, high], knots) = knots_across(s, k, &mut r);
         let steepness = if k % 3 == 0 { 0.02 } else { 2.0 };
         let most = (steepness * (high - low) / 8.0).min(0.5 * low);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
@@ -304,11 +310,7 @@ pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let end = s.initial_pressure_pa * volumes[0] / volumes[1];
-        let (low, high) = (0.7 * end.min(s.initial_pressure_pa), 1.6 * end.max(s.initial_pressure_pa));
-        let mut knots: Vec<f64> = (0..1 + k % 8).map(|_| r.between(low, high)).collect();
-        knots.sort_by(f64::total_cmp);
+        let (_, knots) = knots_across(s, k, &mut r);
         let most = r.log_between(0.01, 3.0);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let term = Curve { term: Term::HeatFlow, variable: Variable::Pressure, knots, values };

@@ -3,6 +3,7 @@
 
 mod closed_forms;
 mod common;
+mod energy;
 mod independence;
 mod integrated_rows;
 #[path = "../common/numbers.rs"]

@@ -1,12 +1,10 @@
 //! `energy_error` beside what integrated rows are really wrong by.
 
-#[path = "common/numbers.rs"]
-mod numbers;
-
+use crate::common::results;
+use crate::numbers::Numbers;
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver, run};
-use numbers::Numbers;
+use ensemble::{Hold, Options, Outcome, Scenario, Solver};
 
 const AMBIENT_K: f64 = 293.0;
 
@@ -24,9 +22,7 @@ fn sealed(count: usize) -> Vec<Scenario> {
 }
 
 fn integrated(set: EffectSet, rows: &[Scenario], relative_tolerance: f64) -> Vec<Outcome> {
-    let options = Options { solver: Solver::Adaptive, relative_tolerance, fit: false };
-    let mut out = vec![Outcome::failed(Failure::TooManySteps); rows.len()];
-    run(set, rows, &options, &mut out);
+    let out = results(set, rows, &Options { solver: Solver::Adaptive, relative_tolerance, fit: false });
     assert!(out.iter().all(|o| o.status == Ok(())));
     out
 }
