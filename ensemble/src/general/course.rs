@@ -216,7 +216,7 @@ fn integrate<const N: usize, const BITS: u32>(
         problems.clear();
         problems.extend(active.iter().map(|&c| problem(&courses[c], &states[c])));
         let system = General::<N, BITS>::new(&systems, set);
-        advance(batch.arch, &system, &mut problems, batch.options.relative_tolerance, history);
+        advance(batch.arch, &system, &systems, &mut problems, batch.options.relative_tolerance, history);
         if Watch::<N>::is_full(history) {
             return false;
         }

@@ -6,13 +6,13 @@
 
 use crate::general::chambers::load_chamber;
 use crate::integrator::corner::{self, OfEffects};
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::plan::Stretch;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
+use std::marker::PhantomData;
 
 /// Beside a set's bits: which of its effects there are is asked at run time.
 pub const ASKED: u32 = 1 << 31;
@@ -37,7 +37,7 @@ pub struct Row<'a> {
 /// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
 #[derive(Clone)]
 pub struct General<'a, const N: usize, const BITS: u32> {
-    rows: &'a [Row<'a>],
+    row: PhantomData<Row<'a>>,
     set: EffectSet,
     balance: Balances<Lanes>,
     per_gas_constant: Lanes,
@@ -98,15 +98,15 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     const ENERGY: usize = energy_place(BITS);
 
     /// For these rows, all of one area law; lanes are not loaded yet.
-    pub fn new(rows: &'a [Row<'a>], set: EffectSet) -> Self {
+    pub fn new(rows: &[Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
         let Row { balance, stretch, .. } = rows[0];
         let balance = Balances::of(balance.chamber.lift());
         let all = balance::moving_states(set);
         let moving = Self::PLACES.iter().filter(|place| **place < all).count();
         let stretch = Stretch { profiled: stretch.profiled, ..Stretch::default() };
-        let one = Lanes::ONE;
-        Self { rows, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
+        let (row, one) = (PhantomData, Lanes::ONE);
+        Self { row, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
 
     /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::own::conduction`].
@@ -193,10 +193,14 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     }
 }
 
-impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
+impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS> {
+    type Row = Row<'a>;
+    const CHEAP: bool = BITS & ASKED == 0 && N <= 3;
+    const ANYWHERE: bool = BITS == AT_RUN_TIME;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let Row { balance: from, stretch, counted, mass } = self.rows[index];
+    fn load(&mut self, lane: usize, row: &Row<'a>) {
+        let Row { balance: from, stretch, counted, mass } = *row;
         let set = self.set();
         if Self::TIGHT {
             self.mass[lane] = mass;
@@ -231,11 +235,6 @@ impl<const N: usize, const BITS: u32> Loadable for General<'_, N, BITS> {
         }
         self.stretch.load(lane, stretch);
     }
-}
-
-impl<const N: usize, const BITS: u32> LaneSystem<N> for General<'_, N, BITS> {
-    const CHEAP: bool = BITS & ASKED == 0 && N <= 3;
-    const ANYWHERE: bool = BITS == AT_RUN_TIME;
 
     #[inline(always)]
     fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
@@ -309,15 +308,14 @@ mod tests {
         share: f64,
     }
 
-    impl Loadable for Short<'_> {
-        fn load(&mut self, lane: usize, index: usize) {
-            self.whole.load(lane, index);
-        }
-    }
-
-    impl LaneSystem<2> for Short<'_> {
+    impl<'a> LaneSystem<2> for Short<'a> {
+        type Row = Row<'a>;
         const CHEAP: bool = false;
         const ANYWHERE: bool = true;
+
+        fn load(&mut self, lane: usize, row: &Row<'a>) {
+            self.whole.load(lane, row);
+        }
 
         #[inline(always)]
         fn rates(&self, s: Lanes, y: &[Lanes; 2]) -> Moment<2> {
@@ -345,7 +343,7 @@ mod tests {
                 let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
-                run::<2, false, _, _>(&system, &mut problems, 1e-10, &mut Nobody);
+                run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut Nobody);
                 assert_eq!(problems[0].failure, None);
                 state = problems[0].state;
                 received += problems[0].energy[0] - problems[0].energy[1];

@@ -5,7 +5,7 @@
 use crate::integrator::corner;
 use crate::integrator::expansion::{ORDER, Stride};
 use crate::integrator::first_step::{begin, first_step};
-use crate::integrator::problem::{Loadable, Problem, Steps};
+use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::{Attempt, FEELING, LaneSystem, Moment, Stages, View, attempt, judge, stages_in_turn};
 use crate::integrator::tableau::STAGES;
 use crate::lanes::math::inverse_eighth_root;
@@ -135,34 +135,38 @@ struct Group<const N: usize, S> {
     energy: [Lanes; 2],
 }
 
-/// Solves each problem that has not failed, on the machine's widest instructions, under the eyes of `watch`.
-pub fn advance<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
+/// Solves each problem that has not failed, that of the row of the same index, on the machine's widest instructions, under the eyes
+/// of `watch`. The lanes of `system` need not be loaded yet.
+pub fn advance<const N: usize, S: LaneSystem<N>>(
     arch: Arch,
     system: &S,
+    rows: &[S::Row],
     problems: &mut [Problem<N>],
     relative: f64,
     watch: &mut impl Watch<N>,
 ) {
-    arch.dispatch(Advance { system, problems, relative, watch });
+    arch.dispatch(Advance { system, rows, problems, relative, watch });
 }
 
-struct Advance<'a, const N: usize, S, W> {
+struct Advance<'a, const N: usize, S: LaneSystem<N>, W> {
     system: &'a S,
+    rows: &'a [S::Row],
     problems: &'a mut [Problem<N>],
     relative: f64,
     watch: &'a mut W,
 }
 
-impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>> WithSimd for Advance<'_, N, S, W> {
+impl<const N: usize, S: LaneSystem<N>, W: Watch<N>> WithSimd for Advance<'_, N, S, W> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
+        let Self { system, rows, problems, relative, watch } = self;
         // Every instruction set beyond plain SSE2 that pulp knows of fuses multiplication and addition.
         if !I::IS_SCALAR {
-            run::<N, true, S, W>(self.system, self.problems, self.relative, self.watch);
+            run::<N, true, S, W>(system, rows, problems, relative, watch);
         } else if S::ANYWHERE {
-            run::<N, false, S, W>(self.system, self.problems, self.relative, self.watch);
+            run::<N, false, S, W>(system, rows, problems, relative, watch);
         } else {
             unreachable!("a system that is not compiled for any machine");
         }
@@ -171,15 +175,16 @@ impl<const N: usize, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>> WithSimd 
 
 /// As [`advance`], in the instructions of the function around.
 #[inline(always)]
-pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     system: &S,
+    rows: &[S::Row],
     problems: &mut [Problem<N>],
     relative: f64,
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
     if S::CHEAP && !S::BY_SERIES {
-        begin::<N, S>(system, problems, relative);
+        begin(system, rows, problems, relative);
     }
     let mut group: Group<N, S> = Group {
         system: system.clone(),
@@ -203,19 +208,19 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
     };
     // Lanes without a problem of their own rest where this one begins.
     for lane in 0..WIDTH {
-        group.system.load(lane, any);
+        group.system.load(lane, &rows[any]);
         for i in 0..N {
             group.y[i][lane] = problems[any].state[i];
         }
     }
     let mut next = 0;
     if !S::CHEAP {
-        return run_in_turn::<N, FUSED, S, W>(group, problems, relative, watch);
+        return run_in_turn::<N, FUSED, S, W>(group, rows, problems, relative, watch);
     }
     loop {
         group.through_memory().halt();
         if group.ended != 0 {
-            group.refill(problems, &mut next, watch.kept() as u32);
+            group.refill(rows, problems, &mut next, watch.kept() as u32);
         }
         if group.idle == ALL {
             return;
@@ -234,8 +239,9 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clon
 
 /// The same with the rates in the code once: first for the start of all problems, then for their steps.
 #[inline(always)]
-fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + Clone, W: Watch<N>>(
+fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     mut group: Group<N, S>,
+    rows: &[S::Row],
     problems: &mut [Problem<N>],
     relative: f64,
     watch: &mut W,
@@ -245,11 +251,11 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
     loop {
         let begins = begun < problems.len();
         if begins {
-            group.load_to_begin(problems, begun);
+            group.load_to_begin(rows, problems, begun);
         } else {
             group.through_memory().halt();
             if group.ended != 0 {
-                group.refill(problems, &mut next, watch.kept() as u32);
+                group.refill(rows, problems, &mut next, watch.kept() as u32);
             }
             if group.idle == ALL || watch.is_full() {
                 return;
@@ -284,7 +290,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N> + Loadable + 
     }
 }
 
-impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
+impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
     /// Keeps the compiler from carrying lanes from one phase into the next as single numbers, which it would then
     /// compute with one by one.
     #[inline(always)]
@@ -295,7 +301,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
     /// Stores the solutions of lanes that have come to rest, failed where they are short of their end, and gives them the next
     /// problems.
     #[inline(always)]
-    fn refill(&mut self, problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
+    fn refill(&mut self, rows: &[S::Row], problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
         while let Some(lane) = first(&mut self.ended) {
             if let Some(done) = problems.get_mut(self.owner[lane]) {
                 if self.t[lane] < self.length[lane] {
@@ -320,7 +326,7 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
                 continue;
             };
             problem.steps = Steps { from: kept, to: 0, lane: lane as u32 };
-            self.system.load(lane, *next);
+            self.system.load(lane, &rows[*next]);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
             }
@@ -355,11 +361,11 @@ impl<const N: usize, S: LaneSystem<N> + Loadable> Group<N, S> {
 
     /// Loads problems from `base` on into the lanes, to begin them.
     #[inline(always)]
-    fn load_to_begin(&mut self, problems: &[Problem<N>], base: usize) {
+    fn load_to_begin(&mut self, rows: &[S::Row], problems: &[Problem<N>], base: usize) {
         for lane in 0..WIDTH {
             let index = (base + lane).min(problems.len() - 1);
             let problem = &problems[index];
-            self.system.load(lane, index);
+            self.system.load(lane, &rows[index]);
             self.length[lane] = problem.length;
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];

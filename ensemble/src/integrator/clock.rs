@@ -31,15 +31,10 @@ pub struct Clock<R = f64> {
 /// b of clocks that are bent.
 const BENT: f64 = 0.999;
 
-impl<R: Real> Clock<R> {
-    /// The clock of a held unit volume: w stays 1.
-    pub const RESTING: Self =
-        Self { start: R::ONE, root_rate: R::ZERO, pace_factor: R::ONE, straight: R::ONE, bend: R::ZERO };
-}
-
 impl<R: Real> Default for Clock<R> {
+    /// The clock of a held unit volume: w stays 1.
     fn default() -> Self {
-        Self::RESTING
+        Self { start: R::ONE, root_rate: R::ZERO, pace_factor: R::ONE, straight: R::ONE, bend: R::ZERO }
     }
 }
 

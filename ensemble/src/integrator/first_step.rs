@@ -5,7 +5,7 @@
 //! and no more than L, by the rates at the start and a short way ahead. L is the time scale of the solution, ε the error estimate of
 //! a step as long as that, F a share for safety.
 
-use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, PROBE, TINY, probe, size};
 use crate::lanes::math::inverse_eighth_root;
 use crate::lanes::{Lanes, WIDTH};
@@ -20,8 +20,9 @@ const ERROR_AT_SCALE: f64 = 6.6e-7;
 
 /// Finds out the first rates and step length of all problems.
 #[inline(always)]
-pub fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
+pub fn begin<const N: usize, S: LaneSystem<N>>(
     system: &S,
+    rows: &[S::Row],
     problems: &mut [Problem<N>],
     relative: f64,
 ) {
@@ -32,7 +33,7 @@ pub fn begin<const N: usize, S: LaneSystem<N> + Loadable + Clone>(
         for lane in 0..WIDTH {
             let index = (base + lane).min(count - 1);
             let problem = &problems[index];
-            system.load(lane, index);
+            system.load(lane, &rows[index]);
             length[lane] = problem.length;
             for i in 0..N {
                 y[i][lane] = problem.state[i];

@@ -4,12 +4,6 @@ use crate::integrator::step::{Moment, View};
 use crate::lanes::Lanes;
 use crate::outcome::Failure;
 
-/// A system whose lanes can be filled from a list of problems.
-pub trait Loadable {
-    /// Puts the constants of problem `index` into a lane.
-    fn load(&mut self, lane: usize, index: usize);
-}
-
 /// One initial value problem, and after [`advance`](crate::integrator::advance::advance) its solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<const N: usize> {

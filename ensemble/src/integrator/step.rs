@@ -69,13 +69,18 @@ impl<const N: usize> Moment<N> {
 }
 
 /// Ordinary differential equations of N states, independent systems side by side.
-pub trait LaneSystem<const N: usize> {
+pub trait LaneSystem<const N: usize>: Clone {
+    /// What a lane's system is made from.
+    type Row;
     /// Whether the rates are so cheap that each stage deserves code of its own.
     const CHEAP: bool;
     /// Whether to compile it for machines without wide instructions, too.
     const ANYWHERE: bool = false;
     /// Whether steps are taken by [`LaneSystem::expansion`], in the place of the pair.
     const BY_SERIES: bool = false;
+
+    /// Puts the constants of a row's system into a lane.
+    fn load(&mut self, lane: usize, row: &Self::Row);
 
     /// The system at time `t`, s.
     fn rates(&self, t: Lanes, y: &[Lanes; N]) -> Moment<N>;

@@ -8,7 +8,8 @@ use crate::features::Timed;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::log::Attempted;
-use crate::integrator::problem::{Loadable, Problem, Steps};
+use crate::integrator::problem::{Problem, Steps};
+use crate::integrator::step::LaneSystem;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::own::finish;
@@ -81,7 +82,7 @@ pub fn push<const N: usize, T: OwnTest<N>>(
         tests.push(test);
     }
     T::begin(arch, tests, problems, relative);
-    advance(arch, &T::moving(tests), problems, relative, &mut Nobody);
+    advance(arch, &T::Moving::default(), tests, problems, relative, &mut Nobody);
 }
 
 impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
@@ -114,7 +115,7 @@ fn run<const N: usize, T: OwnTest<N>>(
         let length = duration - scenarios[*row as usize].push_time_s;
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
-    advance(arch, &T::held(tests), problems, relative, log);
+    advance(arch, &T::Held::default(), tests, problems, relative, log);
 
     order.clear();
     order.extend(0..rows.len());
@@ -128,9 +129,9 @@ fn run<const N: usize, T: OwnTest<N>>(
         let end_state: [Lanes; N] = core::array::from_fn(|i| Lanes::from_fn(|lane| problems[at(lane)].state[i]));
         let [begin, end] = [&state, &end_state].map(T::Held::reading);
         let steps: [Steps; WIDTH] = core::array::from_fn(|lane| problems[at(lane)].steps);
-        let mut system = T::held(tests);
+        let mut system = T::Held::default();
         for lane in 0..WIDTH {
-            system.load(lane, at(lane));
+            system.load(lane, &tests[at(lane)]);
         }
         let turns = T::TURNS.then(|| {
             let expands = |lane: usize| scenarios[rows[at(lane)].0 as usize].expands();

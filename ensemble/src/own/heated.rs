@@ -8,7 +8,6 @@
 //! goes one way, and between two corners that function is a quadratic one. The state is √T; y in W, T in K.
 
 use crate::integrator::corner::{self, Corners};
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
@@ -48,8 +47,8 @@ pub struct HeatedTest {
 
 impl OwnTest<1> for HeatedTest {
     const HAS_ANOTHER_WAY: bool = true;
-    type Moving<'a> = Moving<'a>;
-    type Held<'a> = Held<'a>;
+    type Moving = Moving;
+    type Held = Held;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -72,14 +71,6 @@ impl OwnTest<1> for HeatedTest {
     fn goes_one_way(&self, &[root]: &[f64; 1]) -> bool {
         root > 0.0 && root < f64::INFINITY
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, gas: sealed::Moving::NONE, source: Source::NONE }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, gas: sealed::Held::NONE, source: Source::NONE }
-    }
 }
 
 /// The heat flow as it warms the gas.
@@ -91,9 +82,13 @@ struct Source {
     per_temperature: Lanes,
 }
 
-impl Source {
-    const NONE: Self = Self { warming: Hinges::NONE, per_temperature: Lanes::ZERO };
+impl Default for Source {
+    fn default() -> Self {
+        Self { warming: Hinges::NONE, per_temperature: Lanes::ZERO }
+    }
+}
 
+impl Source {
     /// Puts that of a test into a lane, times `factor`.
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &HeatedTest, factor: f64, per_temperature: f64) {
@@ -140,24 +135,21 @@ impl Corners for Source {
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [HeatedTest],
-    gas: sealed::Moving<'static>,
+#[derive(Clone, Default)]
+pub struct Moving {
+    gas: sealed::Moving,
     source: Source,
 }
 
-impl Loadable for Moving<'_> {
+impl LaneSystem<1> for Moving {
+    type Row = HeatedTest;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &HeatedTest) {
+        self.gas.load(lane, &test.gas);
         self.source.load(lane, test, test.gas.clock.pace_factor, test.gas.closed.mass_gas_constant);
     }
-}
-
-impl LaneSystem<1> for Moving<'_> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
@@ -195,23 +187,13 @@ impl LaneSystem<1> for Moving<'_> {
 }
 
 /// Tests, one a lane, while their pistons rest.
-#[derive(Clone)]
-pub struct Held<'a> {
-    tests: &'a [HeatedTest],
-    gas: sealed::Held<'static>,
+#[derive(Clone, Default)]
+pub struct Held {
+    gas: sealed::Held,
     source: Source,
 }
 
-impl Loadable for Held<'_> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
-        self.source.load(lane, test, 1.0, test.gas.pressure_per_temperature());
-    }
-}
-
-impl Held<'_> {
+impl Held {
     /// Taylor coefficients of T in a state, where the heat flow is a line over T.
     #[inline(always)]
     fn series_along(&self, [level, steepness]: [Lanes; 2], state: Lanes, length: Lanes) -> [Lanes; 4] {
@@ -225,8 +207,15 @@ impl Held<'_> {
     }
 }
 
-impl LaneSystem<1> for Held<'_> {
+impl LaneSystem<1> for Held {
+    type Row = HeatedTest;
     const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &HeatedTest) {
+        self.gas.load(lane, &test.gas);
+        self.source.load(lane, test, 1.0, test.gas.pressure_per_temperature());
+    }
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
@@ -249,7 +238,7 @@ impl LaneSystem<1> for Held<'_> {
     }
 }
 
-impl Holding<1> for Held<'_> {
+impl Holding<1> for Held {
     #[inline(always)]
     fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
         self.gas.guess_from(state[0] * state[0], begin)

@@ -12,7 +12,6 @@
 //! in m³, energies over m cv.
 
 use crate::integrator::clock::Clock;
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::own::gas::SealedTest;
@@ -24,8 +23,8 @@ use chamber::real::Real;
 
 impl OwnTest<1> for SealedTest {
     const HAS_ANOTHER_WAY: bool = false;
-    type Moving<'a> = Moving<'a>;
-    type Held<'a> = Held<'a>;
+    type Moving = Moving;
+    type Held = Held;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -55,20 +54,11 @@ impl OwnTest<1> for SealedTest {
     fn goes_one_way(&self, _: &[f64; 1]) -> bool {
         true
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, ..Moving::NONE }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, ..Held::NONE }
-    }
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [SealedTest],
+#[derive(Clone, Default)]
+pub struct Moving {
     /// Their clocks.
     pub clock: Clock<Lanes>,
     /// c a1 p and c a0 p.
@@ -79,33 +69,7 @@ pub struct Moving<'a> {
     pub wall: Lanes,
 }
 
-impl Loadable for Moving<'_> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        self.load_test(lane, &self.tests[index]);
-    }
-}
-
-impl Moving<'_> {
-    /// For tests that are loaded as they come.
-    pub const NONE: Moving<'static> = Moving {
-        tests: &[],
-        clock: Clock::RESTING,
-        exchange: [Lanes::ZERO; 2],
-        expansion_rate: Lanes::ZERO,
-        wall: Lanes::ZERO,
-    };
-
-    /// Puts the constants of a test into a lane.
-    #[inline(always)]
-    pub fn load_test(&mut self, lane: usize, test: &SealedTest) {
-        self.clock.load(lane, &test.clock);
-        self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
-        self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
-        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
-        self.wall[lane] = test.closed.ambient_temperature;
-    }
-
+impl Moving {
     /// c p (a1 w⁴ + a0) w, at w and w².
     #[inline(always)]
     pub fn exchange_at(&self, [root, square]: [Lanes; 2]) -> Lanes {
@@ -119,8 +83,18 @@ impl Moving<'_> {
     }
 }
 
-impl LaneSystem<1> for Moving<'_> {
+impl LaneSystem<1> for Moving {
+    type Row = SealedTest;
     const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &SealedTest) {
+        self.clock.load(lane, &test.clock);
+        self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
+        self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
+        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
+        self.wall[lane] = test.closed.ambient_temperature;
+    }
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
@@ -134,26 +108,15 @@ impl LaneSystem<1> for Moving<'_> {
 }
 
 /// Tests, one a lane, while their pistons rest.
-#[derive(Clone)]
-pub struct Held<'a> {
-    tests: &'a [SealedTest],
+#[derive(Clone, Default)]
+pub struct Held {
     /// c Aq/√V, 1/(K s).
     pub exchange: Lanes,
     /// Temperatures of their walls, K.
     pub wall: Lanes,
 }
 
-impl Held<'_> {
-    /// For tests that are loaded as they come.
-    pub const NONE: Held<'static> = Held { tests: &[], exchange: Lanes::ZERO, wall: Lanes::ZERO };
-
-    /// Puts the constants of a test into a lane.
-    #[inline(always)]
-    pub fn load_test(&mut self, lane: usize, test: &SealedTest) {
-        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
-        self.wall[lane] = test.closed.ambient_temperature;
-    }
-
+impl Held {
     /// A guess of the paper's exponential near to a hold that begins at a temperature, K, and a time of the test, s.
     #[inline(always)]
     pub fn guess_from(&self, peak: Lanes, from: Lanes) -> Guess {
@@ -161,7 +124,7 @@ impl Held<'_> {
     }
 }
 
-impl Holding<1> for Held<'_> {
+impl Holding<1> for Held {
     #[inline(always)]
     fn guess(&self, [state, _]: [&[Lanes; 1]; 2], begin: Lanes) -> Guess {
         self.guess_from(state[0] * state[0], begin)
@@ -179,15 +142,15 @@ impl Holding<1> for Held<'_> {
     }
 }
 
-impl Loadable for Held<'_> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        self.load_test(lane, &self.tests[index]);
-    }
-}
-
-impl LaneSystem<1> for Held<'_> {
+impl LaneSystem<1> for Held {
+    type Row = SealedTest;
     const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &SealedTest) {
+        self.exchange[lane] = test.rate / test.closed.ambient_temperature;
+        self.wall[lane] = test.closed.ambient_temperature;
+    }
 
     #[inline(always)]
     fn rates(&self, _: Lanes, y: &[Lanes; 1]) -> Moment<1> {

@@ -6,7 +6,6 @@
 //! While the piston rests dT/dt = c Aq/√V f T (Tw − T) and df/dt = (1 − f)/τ, so that T goes one way: f is never below one. u in
 //! m/s, k in s/m, τ in s, T in K.
 
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::own::gas::SealedTest;
@@ -45,8 +44,8 @@ pub struct StirredTest {
 
 impl OwnTest<2> for StirredTest {
     const HAS_ANOTHER_WAY: bool = false;
-    type Moving<'a> = Moving<'a>;
-    type Held<'a> = Held<'a>;
+    type Moving = Moving;
+    type Held = Held;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -69,38 +68,27 @@ impl OwnTest<2> for StirredTest {
     fn goes_one_way(&self, _: &[f64; 2]) -> bool {
         true
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, gas: sealed::Moving::NONE, steady: Lanes::ZERO, decay: Lanes::ZERO }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, gas: sealed::Held::NONE, decay: Lanes::ZERO }
-    }
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [StirredTest],
-    gas: sealed::Moving<'static>,
+#[derive(Clone, Default)]
+pub struct Moving {
+    gas: sealed::Moving,
     steady: Lanes,
     /// p/τ.
     decay: Lanes,
 }
 
-impl Loadable for Moving<'_> {
+impl LaneSystem<2> for Moving {
+    type Row = StirredTest;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &StirredTest) {
+        self.gas.load(lane, &test.gas);
         self.steady[lane] = test.steady;
         self.decay[lane] = test.decay * test.gas.clock.pace_factor;
     }
-}
-
-impl LaneSystem<2> for Moving<'_> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
@@ -116,25 +104,22 @@ impl LaneSystem<2> for Moving<'_> {
 }
 
 /// Tests, one a lane, while their pistons rest.
-#[derive(Clone)]
-pub struct Held<'a> {
-    tests: &'a [StirredTest],
-    gas: sealed::Held<'static>,
+#[derive(Clone, Default)]
+pub struct Held {
+    gas: sealed::Held,
     /// 1/τ, 1/s.
     decay: Lanes,
 }
 
-impl Loadable for Held<'_> {
+impl LaneSystem<2> for Held {
+    type Row = StirredTest;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &StirredTest) {
+        self.gas.load(lane, &test.gas);
         self.decay[lane] = test.decay;
     }
-}
-
-impl LaneSystem<2> for Held<'_> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
@@ -145,7 +130,7 @@ impl LaneSystem<2> for Held<'_> {
     }
 }
 
-impl Holding<2> for Held<'_> {
+impl Holding<2> for Held {
     #[inline(always)]
     fn guess(&self, [states, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
         self.gas.guess_from(states[0] * states[0], begin)

@@ -2,7 +2,7 @@
 //! the piston moves and while it rests, and what a record shows of their states.
 
 use crate::integrator::advance::LONGEST_OF_MOVE;
-use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::problem::Problem;
 use crate::integrator::step::LaneSystem;
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
@@ -24,13 +24,9 @@ pub trait OwnTest<const N: usize>: Sized {
     /// record goes.
     const LONGEST: f64 = f64::INFINITY;
     /// Tests, one a lane, while their pistons move.
-    type Moving<'a>: LaneSystem<N> + Loadable + Clone
-    where
-        Self: 'a;
+    type Moving: LaneSystem<N, Row = Self> + Default;
     /// The same while their pistons rest.
-    type Held<'a>: Holding<N> + Clone
-    where
-        Self: 'a;
+    type Held: Holding<N, Row = Self> + Default;
 
     /// From a checked scenario.
     fn new(scenario: &Scenario) -> Self;
@@ -95,14 +91,10 @@ pub trait OwnTest<const N: usize>: Sized {
     fn falls_on(&self, _: &[f64; N]) -> bool {
         false
     }
-    /// No test loaded yet.
-    fn moving(tests: &[Self]) -> Self::Moving<'_>;
-    /// No test loaded yet.
-    fn held(tests: &[Self]) -> Self::Held<'_>;
 }
 
 /// Holds, one a lane.
-pub trait Holding<const N: usize>: LaneSystem<N> + Loadable {
+pub trait Holding<const N: usize>: LaneSystem<N> {
     /// Whether the code of [`Holding::within`] is so long that there should be one copy.
     const IS_LONG: bool = false;
     /// A guess of the paper's exponential near to a hold from some states to others, that begins at a time of the test, s.

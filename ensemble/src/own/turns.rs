@@ -46,9 +46,9 @@ impl Turns {
 
 /// Where holds turn, from states at their begins to others at their ends. `sign` is 1 where peaks are tops, −1 where they are
 /// bottoms; `log` has the tests' steps at the places `steps`. Those that fall on ([`OwnTest::falls_on`]) are not looked into.
-pub fn find<'a, const N: usize, T: OwnTest<N> + 'a>(
+pub fn find<const N: usize, T: OwnTest<N>>(
     arch: Arch,
-    system: &T::Held<'a>,
+    system: &T::Held,
     log: &[Attempted<N>],
     steps: &[Steps; WIDTH],
     (sign, falls_on): (Lanes, [bool; WIDTH]),

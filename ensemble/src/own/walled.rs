@@ -13,7 +13,6 @@
 //! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
 
 use crate::integrator::expansion::Expansion;
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
 use crate::own::gas::SealedTest;
@@ -55,8 +54,8 @@ pub fn has_wall(scenario: &Scenario) -> bool {
 
 impl OwnTest<2> for WalledTest {
     const HAS_ANOTHER_WAY: bool = true;
-    type Moving<'a> = Moving<'a>;
-    type Held<'a> = Held<'a>;
+    type Moving = Moving;
+    type Held = Held;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -87,46 +86,28 @@ impl OwnTest<2> for WalledTest {
     fn at_rest(&self, [root, wall]: [f64; 2]) -> [f64; 2] {
         [root * root, wall]
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, gas: sealed::Moving::NONE, share: Lanes::ZERO, cooling: Lanes::ZERO }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_> {
-        Held {
-            tests,
-            gas: sealed::Held::NONE,
-            share: Lanes::ZERO,
-            cooling: Lanes::ZERO,
-            pace: Lanes::ONE,
-            unit: Lanes::ONE,
-        }
-    }
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [WalledTest],
+#[derive(Clone, Default)]
+pub struct Moving {
     /// With the surroundings' temperature in the place of the wall's.
-    gas: sealed::Moving<'static>,
+    gas: sealed::Moving,
     share: Lanes,
     /// g p.
     cooling: Lanes,
 }
 
-impl Loadable for Moving<'_> {
+impl LaneSystem<2> for Moving {
+    type Row = WalledTest;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &WalledTest) {
+        self.gas.load(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling * test.gas.clock.pace_factor;
     }
-}
-
-impl LaneSystem<2> for Moving<'_> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, t: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
@@ -141,27 +122,15 @@ impl LaneSystem<2> for Moving<'_> {
 }
 
 /// Tests, one a lane, while their pistons rest. The states are T and Tw.
-#[derive(Clone)]
-pub struct Held<'a> {
-    tests: &'a [WalledTest],
+#[derive(Clone, Default)]
+pub struct Held {
     /// With the surroundings' temperature in the place of the wall's.
-    gas: sealed::Held<'static>,
+    gas: sealed::Held,
     share: Lanes,
     cooling: Lanes,
     /// How fast small differences of temperature vanish, about, 1/s, and one over that.
     pace: Lanes,
     unit: Lanes,
-}
-
-impl Loadable for Held<'_> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
-        self.share[lane] = test.share;
-        self.cooling[lane] = test.cooling;
-        (self.pace[lane], self.unit[lane]) = (test.pace, 1.0 / test.pace);
-    }
 }
 
 /// Applies a macro to the powers from 1 on, each with those between it and 0, the middle ones first: what has just been found is
@@ -175,7 +144,7 @@ macro_rules! each_power {
     };
 }
 
-impl Held<'_> {
+impl Held {
     /// Taylor coefficients of T and Tw in powers of the time over `unit`, s: each follows from those of lower powers,
     ///
     /// (j + 1) T_(j+1) = k u Σ T_i D_(j−i),  (j + 1) Tw_(j+1) = −r (j + 1) T_(j+1) − g u (Tw − Tamb)_j,  D = Tw − T
@@ -215,9 +184,18 @@ impl Held<'_> {
     }
 }
 
-impl LaneSystem<2> for Held<'_> {
+impl LaneSystem<2> for Held {
+    type Row = WalledTest;
     const CHEAP: bool = true;
     const BY_SERIES: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &WalledTest) {
+        self.gas.load(lane, &test.gas);
+        self.share[lane] = test.share;
+        self.cooling[lane] = test.cooling;
+        (self.pace[lane], self.unit[lane]) = (test.pace, 1.0 / test.pace);
+    }
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[temperature, wall]: &[Lanes; 2]) -> Moment<2> {
@@ -240,7 +218,7 @@ impl LaneSystem<2> for Held<'_> {
     }
 }
 
-impl Holding<2> for Held<'_> {
+impl Holding<2> for Held {
     #[inline(always)]
     fn guess(&self, [states, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
         self.gas.guess_from(states[0], begin)

@@ -7,7 +7,7 @@
 //! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
 use crate::integrator::advance::LONGEST_OF_MOVE;
-use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
 use crate::own::gas::SealedTest;
@@ -67,33 +67,23 @@ impl Test {
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [Test],
+#[derive(Clone, Default)]
+pub struct Moving {
     /// With the wall's temperature where it does not warm.
-    gas: sealed::Moving<'static>,
+    gas: sealed::Moving,
     /// f p.
     feed: Lanes,
 }
 
-impl<'a> Moving<'a> {
-    /// For tests that are loaded as they come.
-    pub fn new(tests: &'a [Test]) -> Self {
-        Self { tests, gas: sealed::Moving::NONE, feed: Lanes::ZERO }
-    }
-}
+impl LaneSystem<N> for Moving {
+    type Row = Test;
+    const CHEAP: bool = false;
 
-impl Loadable for Moving<'_> {
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let Test { gas, feed, .. } = &self.tests[index];
-        self.gas.load_test(lane, gas);
+    fn load(&mut self, lane: usize, Test { gas, feed, .. }: &Test) {
+        self.gas.load(lane, gas);
         self.feed[lane] = feed * gas.clock.pace_factor;
     }
-}
-
-impl LaneSystem<N> for Moving<'_> {
-    const CHEAP: bool = false;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {

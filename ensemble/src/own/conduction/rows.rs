@@ -67,7 +67,7 @@ fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, o
         problems.push(test.push(s, relative));
         tests.push(test);
     }
-    advance(arch, &Moving::new(tests), problems, relative, &mut Nobody);
+    advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
     open.clear();
     for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
         if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {

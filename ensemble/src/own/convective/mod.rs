@@ -18,7 +18,7 @@ mod start;
 use crate::instructions::Wide;
 use crate::integrator::advance::LONGEST;
 use crate::integrator::clock::Clock;
-use crate::integrator::problem::{Loadable, Problem};
+use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::math;
 use crate::lanes::{Lanes, WIDTH};
@@ -78,8 +78,8 @@ pub fn stays_on_a_side(s: &Scenario) -> bool {
 impl OwnTest<2> for ConvectiveTest {
     const HAS_ANOTHER_WAY: bool = true;
     const LONGEST: f64 = LONGEST;
-    type Moving<'a> = Moving<'a>;
-    type Held<'a> = Held<'a>;
+    type Moving = Moving;
+    type Held = Held;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -129,14 +129,6 @@ impl OwnTest<2> for ConvectiveTest {
     fn goes_one_way(&self, _: &[f64; 2]) -> bool {
         true
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_> {
-        Moving { tests, gas: sealed::Moving::NONE, exponent: Lanes::ZERO, begun: Lanes::ZERO }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_> {
-        Held { tests, gas: sealed::Held::NONE, exponent: Lanes::ZERO }
-    }
 }
 
 /// The pushes of up to as many tests as there are lanes.
@@ -156,23 +148,12 @@ fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a> {
-    tests: &'a [ConvectiveTest],
-    gas: sealed::Moving<'static>,
+#[derive(Clone, Default)]
+pub struct Moving {
+    gas: sealed::Moving,
     exponent: Lanes,
     /// What the clock shows at the start, s.
     begun: Lanes,
-}
-
-impl Loadable for Moving<'_> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
-        self.exponent[lane] = test.exponent;
-        self.begun[lane] = test.begun;
-    }
 }
 
 /// |d/20 K|^n of temperature differences, K. It passes through memory: else the compiler computes it lane by lane.
@@ -182,8 +163,16 @@ fn power(difference: Lanes, exponent: Lanes) -> Lanes {
     black_box(math::power(difference * (1.0 / REFERENCE_DIFFERENCE_K), exponent))
 }
 
-impl LaneSystem<2> for Moving<'_> {
+impl LaneSystem<2> for Moving {
+    type Row = ConvectiveTest;
     const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &ConvectiveTest) {
+        self.gas.load(lane, &test.gas);
+        self.exponent[lane] = test.exponent;
+        self.begun[lane] = test.begun;
+    }
 
     #[inline(always)]
     fn restore(&self, [state, factor]: &mut [Lanes; 2]) {
@@ -210,24 +199,21 @@ impl LaneSystem<2> for Moving<'_> {
 }
 
 /// Tests, one a lane, while their pistons rest.
-#[derive(Clone)]
-pub struct Held<'a> {
-    tests: &'a [ConvectiveTest],
-    gas: sealed::Held<'static>,
+#[derive(Clone, Default)]
+pub struct Held {
+    gas: sealed::Held,
     exponent: Lanes,
 }
 
-impl Loadable for Held<'_> {
+impl LaneSystem<2> for Held {
+    type Row = ConvectiveTest;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &ConvectiveTest) {
+        self.gas.load(lane, &test.gas);
         self.exponent[lane] = test.exponent;
     }
-}
-
-impl LaneSystem<2> for Held<'_> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, _: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
@@ -238,7 +224,7 @@ impl LaneSystem<2> for Held<'_> {
     }
 }
 
-impl Holding<2> for Held<'_> {
+impl Holding<2> for Held {
     #[inline(always)]
     fn guess(&self, [state, _]: [&[Lanes; 2]; 2], begin: Lanes) -> Guess {
         self.gas.guess_from(state[0] * state[0], begin)

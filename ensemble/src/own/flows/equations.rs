@@ -75,18 +75,23 @@ pub struct Rates<R> {
     pub received: R,
 }
 
-impl<R: Real> Constants<R> {
-    pub const NONE: Self = Self {
-        heat_capacity_ratio: R::ONE,
-        wall: R::ONE,
-        per_root_wall: R::ONE,
-        passage: Passage::NONE,
-        inflow: R::ZERO,
-        outflow: R::ZERO,
-        temperature_in: R::ONE,
-        is_fed: false,
-    };
+impl<R: Real> Default for Constants<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            heat_capacity_ratio: R::ONE,
+            wall: R::ONE,
+            per_root_wall: R::ONE,
+            passage: Passage::NONE,
+            inflow: R::ZERO,
+            outflow: R::ZERO,
+            temperature_in: R::ONE,
+            is_fed: false,
+        }
+    }
+}
 
+impl<R: Real> Constants<R> {
     /// The equations. What no lane has is left out: to the last digit the same.
     #[inline(always)]
     pub fn rates<L: Law>(&self, at: &PlaceFactors<R>, state: &State<R>) -> Rates<R> {
@@ -142,7 +147,7 @@ impl Constants<Lanes> {
     /// The same as series.
     #[inline(always)]
     pub fn as_series<const K: usize>(&self) -> Constants<Series<K>> {
-        let mut out = Constants::<Series<K>>::NONE;
+        let mut out = Constants::<Series<K>>::default();
         macro_rules! lift {
             ($($($name:ident).+),*) => { $(out.$($name).+ = self.$($name).+.into();)* };
         }

@@ -21,7 +21,6 @@ mod openings;
 
 use crate::integrator::advance::LONGEST;
 use crate::integrator::corner::{self, Corners};
-use crate::integrator::problem::Loadable;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
@@ -59,14 +58,8 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     const HAS_ANOTHER_WAY: bool = true;
     const TURNS: bool = true;
     const LONGEST: f64 = LONGEST;
-    type Moving<'a>
-        = Moving<'a, L>
-    where
-        L: 'a;
-    type Held<'a>
-        = Held<'a, L>
-    where
-        L: 'a;
+    type Moving = Moving<L>;
+    type Held = Held<L>;
 
     #[inline]
     fn new(s: &Scenario) -> Self {
@@ -149,23 +142,6 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     fn pressure_per_reading(&self) -> f64 {
         1.0 / self.gas.held_volume
     }
-
-    fn moving(tests: &[Self]) -> Moving<'_, L> {
-        let none = Lanes::ZERO;
-        Moving { tests, gas: sealed::Moving::NONE, constants: Constants::NONE, turn: none, work: none, width: none }
-    }
-
-    fn held(tests: &[Self]) -> Held<'_, L> {
-        let none = Lanes::ZERO;
-        Held {
-            tests,
-            gas: sealed::Held::NONE,
-            constants: Constants::NONE,
-            outside: none,
-            width: none,
-            per_volume: none,
-        }
-    }
 }
 
 /// The opening's corners, with the pressure at which the flow's turning is one.
@@ -179,32 +155,30 @@ impl<L: Law> Corners for At<'_, L> {
 }
 
 /// Tests, one a lane, while their pistons move.
-#[derive(Clone)]
-pub struct Moving<'a, L> {
-    tests: &'a [FlowTest<L>],
-    gas: sealed::Moving<'static>,
+#[derive(Clone, Default)]
+pub struct Moving<L> {
+    gas: sealed::Moving,
     constants: Constants<Lanes>,
     turn: Lanes,
     /// 2 (γ − 1) w'.
     work: Lanes,
     /// Half the width, times p.
     width: Lanes,
+    law: PhantomData<L>,
 }
 
-impl<L: Law> Loadable for Moving<'_, L> {
+impl<L: Law> LaneSystem<2> for Moving<L> {
+    type Row = FlowTest<L>;
+    const CHEAP: bool = true;
+
     #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        self.gas.load_test(lane, &test.gas);
+    fn load(&mut self, lane: usize, test: &FlowTest<L>) {
+        self.gas.load(lane, &test.gas);
         self.constants.load(lane, &test.constants);
         self.turn[lane] = test.turn;
         self.work[lane] = self.gas.expansion_rate[lane] * 0.5;
         self.width[lane] = test.constants.passage.width * 0.5 * test.gas.clock.pace_factor;
     }
-}
-
-impl<L: Law> LaneSystem<2> for Moving<'_, L> {
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
@@ -253,32 +227,18 @@ impl<L: Law> LaneSystem<2> for Moving<'_, L> {
 }
 
 /// Tests, one a lane, while their pistons rest.
-#[derive(Clone)]
-pub struct Held<'a, L> {
-    tests: &'a [FlowTest<L>],
-    gas: sealed::Held<'static>,
+#[derive(Clone, Default)]
+pub struct Held<L> {
+    gas: sealed::Held,
     constants: Constants<Lanes>,
     /// As in [`PlaceFactors`].
     outside: Lanes,
     width: Lanes,
     per_volume: Lanes,
+    law: PhantomData<L>,
 }
 
-impl<L: Law> Loadable for Held<'_, L> {
-    #[inline(always)]
-    fn load(&mut self, lane: usize, index: usize) {
-        let test = &self.tests[index];
-        let per_volume = 1.0 / test.gas.held_volume;
-        self.gas.load_test(lane, &test.gas);
-        self.constants.load(lane, &test.constants);
-        self.outside[lane] = test.constants.passage.pressure * test.gas.held_volume;
-        let spread = if L::POWER == 1 { per_volume } else { per_volume * per_volume };
-        self.width[lane] = test.constants.passage.width * 0.5 * spread;
-        self.per_volume[lane] = per_volume;
-    }
-}
-
-impl<L: Law> Held<'_, L> {
+impl<L: Law> Held<L> {
     /// What there is in place of the geometry, over a volume that stays.
     #[inline(always)]
     fn place<R: Real + From<Lanes>>(&self) -> PlaceFactors<R> {
@@ -319,8 +279,20 @@ impl<L: Law> Held<'_, L> {
     }
 }
 
-impl<L: Law> LaneSystem<2> for Held<'_, L> {
+impl<L: Law> LaneSystem<2> for Held<L> {
+    type Row = FlowTest<L>;
     const CHEAP: bool = true;
+
+    #[inline(always)]
+    fn load(&mut self, lane: usize, test: &FlowTest<L>) {
+        let per_volume = 1.0 / test.gas.held_volume;
+        self.gas.load(lane, &test.gas);
+        self.constants.load(lane, &test.constants);
+        self.outside[lane] = test.constants.passage.pressure * test.gas.held_volume;
+        let spread = if L::POWER == 1 { per_volume } else { per_volume * per_volume };
+        self.width[lane] = test.constants.passage.width * 0.5 * spread;
+        self.per_volume[lane] = per_volume;
+    }
 
     #[inline(always)]
     fn rates(&self, _: Lanes, states: &[Lanes; 2]) -> Moment<2> {
@@ -347,7 +319,7 @@ impl<L: Law> LaneSystem<2> for Held<'_, L> {
     }
 }
 
-impl<L: Law> Holding<2> for Held<'_, L> {
+impl<L: Law> Holding<2> for Held<L> {
     const IS_LONG: bool = true;
 
     #[inline(always)]

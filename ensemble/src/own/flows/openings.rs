@@ -37,7 +37,7 @@ pub struct GasInside<R> {
 
 /// A law of the flow through an opening towards an outside at the surroundings' temperature, over the mass of the gas, the width
 /// and V^−[`Law::POWER`]: two factors, of which the first is the later to be known.
-pub trait Law: Copy + Sync {
+pub trait Law: Copy + Default + Sync {
     /// By which power of the volume its flow falls.
     const POWER: i32;
     /// That opening of a scenario.
@@ -62,7 +62,7 @@ pub trait Law: Copy + Sync {
 }
 
 /// An orifice of ISO 6358 towards the surroundings or the supply: o = C ρ0 √T0 R √T ψ/V, [`iso6358`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Orifice;
 /// The effects that are such, of which a test has one.
 pub const ORIFICES: [EffectSet; 2] = [LEAKAGE, sets::only("supply_leakage")];
@@ -115,7 +115,7 @@ impl Law for Orifice {
 }
 
 /// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or none: constant flows only.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Gap;
 /// The effect that is such.
 pub const GAP: EffectSet = sets::only("laminar_leakage");
