@@ -1,6 +1,6 @@
 //! What a test that has been solved gives back, by the temperature of its gas.
 
-use crate::outcome::{Outcome, Standing, to_be_lost};
+use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
 use crate::regression::{Regression, fit};
 use crate::scenario::Scenario;
 
@@ -53,6 +53,37 @@ impl Ending<'_> {
             duration_s: self.duration,
             exact: true,
             status: Ok(()),
+        }
+    }
+}
+
+/// How the push of a test has ended whose hold is solved in another way.
+#[derive(Clone, Copy)]
+pub struct AfterPush {
+    /// Number of the test.
+    pub row: u32,
+    /// Length of the test, s.
+    pub duration: f64,
+    /// About how many relaxations the hold takes.
+    pub relaxations: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Internal energy before and after the push, J.
+    pub energy: [f64; 2],
+    /// What the gas has received as heat less its work, and the magnitude of the work, J.
+    pub received: [f64; 2],
+    /// Why the push was given up.
+    pub failure: Option<Failure>,
+}
+
+impl AfterPush {
+    /// The outcome of a test that has ended so.
+    pub fn outcome(&self, ending: &Ending) -> Outcome {
+        let ([start, energy], [received, work]) = (self.energy, self.received);
+        match self.failure {
+            Some(reason) => Outcome::failed(reason),
+            None if !ending.end.is_finite() => Outcome::failed(Failure::TooManySteps),
+            None => Outcome { energy_error: closure(start, energy, received, work), exact: false, ..ending.outcome() },
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What decides how a row is solved, and what is known of a row that has been checked.
 
 use crate::Batch;
-use crate::closed::readings::Behind;
+use crate::filter::Behind;
 use crate::instructions;
 use crate::scenario::{Scenario, Solver};
 use crate::sets;
@@ -39,7 +39,7 @@ impl<'a> Features<'a> {
             scenario,
             active,
             of_gas: sets::on_the_gas(active),
-            behind: (!shown.is_empty()).then(|| Behind::new(shown, scenario)),
+            behind: (!shown.is_empty()).then(|| Behind::new(shown, &scenario.chamber.effects)),
             is_sealed: scenario.is_sealed(),
             is_swept: scenario.chamber.geometry.area_law == AreaLaw::Swept,
             integrates: options.solver == Solver::Adaptive,

@@ -51,6 +51,27 @@ impl Sensor {
     }
 }
 
+/// The sensor of one test, and how late its record is.
+#[derive(Clone, Copy, Debug)]
+pub struct Behind {
+    /// Lag, offset and drift.
+    pub sensor: Sensor,
+    /// Time by which the record is behind the gas, s.
+    pub delay: f64,
+}
+
+impl Behind {
+    /// That of a chamber, with the effects of a set.
+    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
+        Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+    }
+
+    /// Whether the record shows what was before its time.
+    pub fn looks_back(&self) -> bool {
+        self.sensor.lag > 0.0 || self.delay > 0.0
+    }
+}
+
 /// Coefficients of polynomials from their values.
 #[derive(Clone, Debug)]
 pub struct ToPowers {

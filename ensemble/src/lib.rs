@@ -14,10 +14,10 @@
 //! | with a missing term that is a heat flow over the pressure | its one equation | `own::heated` |
 //! | with one leak only, or with constant flows and at most one leak | its two equations | `own::flows` |
 //! | with natural convection only, on one side of the wall's temperature | two equations, in the hold a series | `own::convective` |
-//! | with a wall that remembers only | its own equations, in the hold by collocation | `own::conduction` |
+//! | with a wall that remembers only | its own equations, in the hold by collocation | `own::remembering` |
 //! | any other | mass, energy and the effects' states, in code for its set of effects where there is some | `general` |
 //! | of these tight, with effects without states | in the hold an integral over the temperature | `general::relaxation` |
-//! | of these tight, with a wall that remembers and what keeps the closed form | in the hold collocation | `own::conduction` |
+//! | of these tight, with a wall that remembers and what keeps the closed form | in the hold collocation | `general::remembering` |
 //!
 //! Which way a row takes is decided in `ways`. Without wide instructions (`instructions`) rows without a closed form are all of the
 //! last kinds.
@@ -31,7 +31,9 @@
 // In unit tests nothing calls the integration of batches, see `sets_with_code_of_their_own`.
 #![cfg_attr(test, allow(dead_code, unused_imports, unused_variables))]
 
+mod chambers;
 mod closed;
+mod conduction;
 mod ending;
 mod features;
 mod filter;

@@ -4,6 +4,8 @@ use thiserror::Error;
 
 /// Share of the distance from peak to end within which a relaxation counts as settled.
 pub const SETTLED: f64 = 0.01;
+/// Share of its pressure by which a record that stands may tremble.
+pub const ROUNDING: f64 = 1e-12;
 
 /// The paper's evaluation of one test: P = Pf + ΔP e^(−t/τ) by least squares over the samples of a 100 Hz record from
 /// its peak on, then steps 2 to 7.

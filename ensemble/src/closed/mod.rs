@@ -7,10 +7,10 @@ mod test;
 
 use crate::Batch;
 use crate::features::{Features, Timed};
+use crate::filter::Behind;
 use crate::outcome::Outcome;
 use crate::plan;
 use chamber::effects::{self, EffectSet};
-use readings::Behind;
 
 /// How many kinds of rows there are: without effects that keep the closed form, or with some and one of two area laws; that show the
 /// gas, or by sensors that lag or do not, and are delayed or are not.
@@ -33,7 +33,7 @@ impl ClosedRows {
         let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)
-            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || b.is_quick(s)));
+            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || readings::is_quick(&b, s)));
         let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
         let shown = row.behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
         is_closed.then(|| &mut self.lists[gas + 3 * shown])

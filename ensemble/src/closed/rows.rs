@@ -3,12 +3,13 @@
 //! tolerance.
 
 use crate::Batch;
+use crate::chambers::Chambers;
 use crate::closed::kept::{Exchange, Heat};
-use crate::closed::readings::{self, Behind, Readings};
+use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
 use crate::ending::Ending;
 use crate::features::Timed;
-use crate::general::chambers::Chambers;
+use crate::filter::Behind;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
 use crate::numerics::root::Curve;
@@ -70,16 +71,15 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
         // Only a sensor that lags or is late shows what was before the end of the push.
-        let behind = (!shown.is_empty()).then(|| Behind::new(shown, scenario(0)));
+        let behind = (!shown.is_empty()).then(|| Behind::new(shown, &scenario(0).chamber.effects));
         let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
-        let mut outcomes = [Outcome::failed(Failure::StepTooSmall); WIDTH];
-        if shown.is_empty() {
-            solved.outcomes(arch, &mut buffers.records, options.fit, scenario, &mut outcomes);
+        let outcomes = if shown.is_empty() {
+            solved.outcomes(arch, &mut buffers.records, options.fit, scenario)
         } else {
-            solved.readings(arch, buffers, shown, options.fit, scenario, &mut outcomes);
-        }
+            solved.readings(arch, buffers, shown, options.fit, scenario)
+        };
         for (lane, &test) in order.iter().enumerate() {
             let ExactTest { row, duration, .. } = all[test as usize];
             let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
@@ -124,7 +124,7 @@ struct Changed {
     bend: Lanes,
 }
 
-/// Finds this out.
+/// Works out [`Changed`].
 struct Change<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
@@ -218,17 +218,16 @@ impl Solved<'_> {
         records: &mut Records,
         fit: bool,
         scenario: impl Fn(usize) -> &'s Scenario,
-        out: &mut [Outcome; WIDTH],
-    ) {
-        let Self { tests, ends, .. } = self;
+    ) -> [Outcome; WIDTH] {
+        let Self { tests, ends } = *self;
         let found = fit.then(|| {
             let guess = arch.dispatch(Record { tests, ends, records });
             records.fit(arch, guess)
         });
-        for lane in 0..WIDTH {
+        core::array::from_fn(|lane| {
             let regression = found.as_ref().and_then(|found| found.lane(lane));
-            out[lane] = self.ending(lane, scenario(lane), regression).outcome();
-        }
+            self.ending(lane, scenario(lane), regression).outcome()
+        })
     }
 
     /// The outcomes behind sensors, with effects on the reading.
@@ -239,12 +238,11 @@ impl Solved<'_> {
         set: EffectSet,
         fit: bool,
         scenario: impl Fn(usize) -> &'s Scenario,
-        out: &mut [Outcome; WIDTH],
-    ) {
+    ) -> [Outcome; WIDTH] {
         let Self { tests, ends } = *self;
         let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
-        let behind = |lane: usize| Behind::new(set, scenario(lane));
+        let behind = |lane: usize| Behind::new(set, &scenario(lane).chamber.effects);
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
         let readings = Readings::new(arch, readings, tests, ends, behind, before);
         let answers = readings.answers();
@@ -253,12 +251,12 @@ impl Solved<'_> {
             let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
             records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });
-        for lane in 0..WIDTH {
-            let (scenario, answer) = (scenario(lane), &answers[lane]);
+        core::array::from_fn(|lane| {
+            let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
             let gas = self.ending(lane, scenario, None).outcome();
-            out[lane] = answer.outcome(scenario, regression, (wall[lane], &behind(lane)), gas);
-        }
+            answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
+        })
     }
 }
 

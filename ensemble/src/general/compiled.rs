@@ -2,11 +2,10 @@
 
 use super::course;
 use super::equations::{ASKED, AT_RUN_TIME, TIGHT, states};
-use super::{Kind, relaxation};
+use super::{Kind, relaxation, remembering};
 use crate::Batch;
 use crate::instructions;
 use crate::outcome::Outcome;
-use crate::own::conduction;
 use crate::plan::Plan;
 use crate::sets::{bit, on_the_gas, on_the_gas_with};
 use chamber::balance::STATES;
@@ -29,7 +28,7 @@ macro_rules! sets_with_code_of_their_own {
             // What the sensor does to a known pressure is no matter of the integration.
             let set = on_the_gas(set);
             let set = if kind.is_tight() { set.intersection(effects::KEEP_THE_MASS) } else { set };
-            let set = if kind == Kind::Remembering { set.intersection(conduction::EFFECTS) } else { set };
+            let set = if kind == Kind::Remembering { set.intersection(remembering::EFFECTS) } else { set };
             match compiled_for(set, kind.is_tight()) {
                 $(Some(bits) if bits == const { $bits } && instructions::is_wide(batch.arch) => {
                     const BITS: u32 = $bits;
@@ -67,7 +66,7 @@ sets_with_code_of_their_own![
     TIGHT | ASKED | relaxation::EFFECTS.bits(),
     TIGHT | bit("gas_zones"),
     TIGHT | ASKED | on_the_gas_with(effects::MANY).intersection(effects::KEEP_THE_MASS).bits(),
-    TIGHT | ASKED | conduction::EFFECTS.bits(),
+    TIGHT | ASKED | remembering::EFFECTS.bits(),
     bit("leakage") | bit("supply_leakage") | bit("laminar_leakage") | ASKED,
     bit("tube_volume"),
     bit("wall_heating") | ASKED,

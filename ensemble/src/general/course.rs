@@ -2,18 +2,19 @@
 //! of their records.
 
 use crate::Batch;
+use crate::ending::AfterPush;
 use crate::filter::Sensor;
 use crate::general::Kind;
 use crate::general::equations::{self, General, Row};
-use crate::general::history::{History, Knot};
-use crate::general::relaxing_rows::{self, AfterPush};
+use crate::general::history::History;
+use crate::general::relaxing_rows;
+use crate::general::remembering;
 use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch, advance};
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::View;
-use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
-use crate::own::conduction;
+use crate::outcome::{Failure, Outcome, ROUNDING, Standing, closure, to_be_lost};
 use crate::plan::Plan;
-use crate::reader::{self, Bends, ROUNDING, RowAnswer, Traces, seen_from};
+use crate::reader::{self, Bends, Knot, RowAnswer, Traces, seen_from};
 use crate::regression::Regression;
 use crate::regression::fit;
 use crate::scenario::{Scenario, lets_gas_pass};
@@ -70,7 +71,7 @@ pub struct Memory {
     trail: Trail,
     reader: reader::Memory,
     relaxing: relaxing_rows::Memory,
-    conduction: conduction::Memory,
+    remembering: remembering::Memory,
 }
 
 /// The steps of all rows.
@@ -90,7 +91,7 @@ pub fn run<const N: usize, const BITS: u32>(
     rows: &[(u32, Plan)],
     out: &mut [Outcome],
 ) {
-    let Memory { balances, trail, reader, relaxing, conduction } = memory;
+    let Memory { balances, trail, reader, relaxing, remembering } = memory;
     work_out(balances, rows, batch.scenarios);
     trail.history.limit = (rows.len() > FEWEST).then_some(HISTORY);
     let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
@@ -105,7 +106,7 @@ pub fn run<const N: usize, const BITS: u32>(
         states.push(States { state, absolute });
         courses.push(course);
     }
-    let remembers = (kind == Kind::Remembering).then_some(conduction);
+    let remembers = (kind == Kind::Remembering).then_some(remembering);
     let stretches = if kind == Kind::Relaxing { 1 } else { usize::MAX };
     if !integrate::<N, BITS>(batch, trail, set, (&mut courses, &mut states), stretches, remembers) {
         // Too many steps to keep: fewer rows at a time.
@@ -164,7 +165,7 @@ fn integrate<const N: usize, const BITS: u32>(
     set: EffectSet,
     (courses, states): (&mut [IntegratedRow], &mut [States<N>]),
     stretches: usize,
-    mut remembers: Option<&mut conduction::Memory>,
+    mut remembers: Option<&mut remembering::Memory>,
 ) -> bool {
     history.clear();
     passed.clear();
@@ -197,9 +198,9 @@ fn integrate<const N: usize, const BITS: u32>(
             let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
             problems.clear();
             problems.extend(held.iter().map(|&c| problem(&courses[c], &states[c])));
-            let levels: Vec<usize> = held.iter().map(|&c| conduction::coarsest(&courses[c].sensor)).collect();
+            let levels: Vec<usize> = held.iter().map(|&c| remembering::coarsest(&courses[c].sensor)).collect();
             let places = General::<N, BITS>::places_of_wall();
-            let solved = conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
+            let solved = remembering::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
             for ((&c, problem), solved) in held.iter().zip(&problems).zip(solved) {
                 if solved {
                     pass(&mut courses[c], &mut states[c], problem);

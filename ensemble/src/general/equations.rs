@@ -4,7 +4,7 @@
 //! closed chamber 1/U is a constant and a decaying exponential while the piston rests, and over an adiabatic push 1/√U is
 //! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
 
-use crate::general::chambers::load_chamber;
+use crate::chambers::load_chamber;
 use crate::integrator::corner::{self, OfEffects};
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
@@ -109,7 +109,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         Self { row, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
     }
 
-    /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::own::conduction`].
+    /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::general::remembering`].
     pub const REMEMBERS: bool = BITS != AT_RUN_TIME && EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
     /// Places of the energy among its states, and of the first of such a wall's.
     pub fn places_of_wall() -> [usize; 2] {

@@ -6,6 +6,7 @@ use crate::integrator::advance::{Tried, Watch};
 use crate::integrator::problem::Steps;
 use crate::integrator::step::View;
 use crate::lanes::Lanes;
+use crate::reader::Knot;
 
 /// Lanes that a step takes: its end, whether it was accepted (2 where up to a kink), two quantities and their slopes.
 const STRIDE: usize = 6;
@@ -18,17 +19,6 @@ pub struct History {
     pub awake: bool,
     /// How many steps it keeps; none is no limit.
     pub limit: Option<usize>,
-}
-
-/// What is seen at a moment of a segment.
-#[derive(Clone, Copy, Debug)]
-pub struct Knot {
-    /// The moment in the integrator's time, from the segment's start.
-    pub at: f64,
-    /// Pressure, Pa, and temperature, K, of the gas, and their slopes in the integrator's time.
-    pub view: View<f64>,
-    /// Whether the rates have a kink there.
-    pub kink: bool,
 }
 
 impl History {

@@ -1,19 +1,17 @@
 //! Rows of any chamber by the integrator: the equations of all of them ([`equations`]), in code for their set of effects where there
 //! is some ([`compiled`]), stretch after stretch ([`course`]).
 
-pub mod chambers;
 pub mod compiled;
 mod course;
 pub mod equations;
 pub mod history;
-pub mod interpolant;
 mod relaxation;
 pub mod relaxing_rows;
+mod remembering;
 
 use crate::Batch;
 use crate::features::Features;
 use crate::outcome::{Failure, Outcome};
-use crate::own::conduction;
 use crate::plan::Plan;
 use chamber::effects::{self, EffectSet};
 
@@ -28,7 +26,7 @@ pub enum Kind {
     Tight,
     /// Nor has the hold a state but the temperature: see [`relaxation`].
     Relaxing,
-    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`conduction`].
+    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`remembering`].
     Remembering,
 }
 
@@ -44,7 +42,7 @@ impl Kind {
         } else if by_integrals && row.behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
             Self::Relaxing
         } else if by_integrals
-            && conduction::EFFECTS.contains(of_gas)
+            && remembering::EFFECTS.contains(of_gas)
             && !of_gas.intersection(effects::REMEMBERING).is_empty()
         {
             Self::Remembering

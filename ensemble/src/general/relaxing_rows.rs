@@ -2,76 +2,28 @@
 //! with effects that have no states, and a record that shows the gas. See [`relaxation`](crate::general::relaxation).
 
 use crate::Batch;
-use crate::ending::Ending;
-use crate::general::chambers::Chambers;
+use crate::chambers::Chambers;
+use crate::ending::{AfterPush, Ending};
 use crate::general::relaxation::{HoldPart, Pushed, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
-use crate::outcome::{Failure, Outcome, SETTLED, closure};
-use crate::own::gas::SealedTest;
+use crate::outcome::{Outcome, SETTLED};
 use crate::regression::Records;
 use crate::scenario::Scenario;
 use chamber::balance::{self, Boundary, ENERGY};
 use chamber::effects::EffectSet;
 
-/// How the push of a test has ended.
-#[derive(Clone, Copy)]
-pub struct AfterPush {
-    /// Number of the test.
-    pub row: u32,
-    /// Length of the test, s.
-    pub duration: f64,
-    /// About how many relaxations the hold takes.
-    pub relaxations: f64,
-    /// Mass, kg.
-    pub mass: f64,
-    /// Internal energy before and after the push, J.
-    pub energy: [f64; 2],
-    /// What the gas has received as heat less its work, and the magnitude of the work, J.
-    pub received: [f64; 2],
-    /// Why the push was given up.
-    pub failure: Option<Failure>,
-}
-
-impl AfterPush {
-    /// Of a test whose push has ended at a temperature, K, with what the gas has received and its work, over m cv, K.
-    pub fn of((row, duration): (u32, f64), gas: &SealedTest, s: &Scenario, pushed: f64, energy: [f64; 2]) -> Self {
-        let capacity = gas.capacity();
-        let [received, work] = energy.map(|energy| capacity * energy);
-        let is_gas = pushed > 0.0 && pushed < f64::INFINITY;
-        Self {
-            row,
-            duration,
-            relaxations: (duration - s.push_time_s) * gas.rate,
-            mass: gas.closed.mass_gas_constant / s.chamber.gas.gas_constant,
-            energy: [s.initial_temperature_k, pushed].map(|temperature| capacity * temperature),
-            received: [received - work, work.abs()],
-            failure: (!is_gas).then_some(Failure::Empty),
-        }
-    }
-
-    /// [`Ending::relative_rate`] of gas at a temperature, K, that is not yet that of the wall, K.
-    fn relative_rate(&self, set: EffectSet, s: &Scenario, wall: f64, [pushed, end]: [f64; 2]) -> Option<f64> {
-        let is_there = (end - wall).abs() <= SETTLED * (pushed - end).abs();
-        (!is_there).then(|| {
-            let chamber = &s.chamber;
-            let boundary = Boundary::closed(s.final_position_m, s.ambient_temperature_k, s.ambient_pressure_pa);
-            let pressure = self.mass * chamber.gas.gas_constant * end / chamber.geometry.volume(s.final_position_m);
-            let state = balance::state_at(chamber, &boundary, pressure, end);
-            let rates = balance::rates(set, chamber, &boundary, &state);
-            (self.duration - s.push_time_s) * rates[ENERGY] / state[ENERGY]
-        })
-    }
-
-    /// The outcome of a test that has ended so.
-    pub fn outcome(&self, ending: &Ending) -> Outcome {
-        let ([start, energy], [received, work]) = (self.energy, self.received);
-        match self.failure {
-            Some(reason) => Outcome::failed(reason),
-            None if !ending.end.is_finite() => Outcome::failed(Failure::TooManySteps),
-            None => Outcome { energy_error: closure(start, energy, received, work), exact: false, ..ending.outcome() },
-        }
-    }
+/// [`Ending::relative_rate`] of gas at a temperature, K, that is not yet that of the wall, K.
+fn relative_rate(set: EffectSet, s: &Scenario, after: &AfterPush, wall: f64, [pushed, end]: [f64; 2]) -> Option<f64> {
+    let is_there = (end - wall).abs() <= SETTLED * (pushed - end).abs();
+    (!is_there).then(|| {
+        let chamber = &s.chamber;
+        let boundary = Boundary::closed(s.final_position_m, s.ambient_temperature_k, s.ambient_pressure_pa);
+        let pressure = after.mass * chamber.gas.gas_constant * end / chamber.geometry.volume(s.final_position_m);
+        let state = balance::state_at(chamber, &boundary, pressure, end);
+        let rates = balance::rates(set, chamber, &boundary, &state);
+        (after.duration - s.push_time_s) * rates[ENERGY] / state[ENERGY]
+    })
 }
 
 /// What is kept from one batch to the next.
@@ -109,22 +61,18 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
             records.fit(arch, guess)
         });
         for (lane, after) in group.iter().enumerate() {
-            let scenario = scenario(lane);
+            let (scenario, wall) = (scenario(lane), ends.wall()[lane]);
+            let [pushed, end] = [ends.pushed()[lane], ends.end[lane]];
             let ending = Ending {
                 scenario,
                 duration: after.duration,
-                wall: ends.wall()[lane],
-                pushed: ends.pushed()[lane],
-                end: ends.end[lane],
+                wall,
+                pushed,
+                end,
                 pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
                 settling: ends.settling[lane],
                 flowing: 0.0,
-                relative_rate: after.relative_rate(
-                    set,
-                    scenario,
-                    ends.wall()[lane],
-                    [ends.pushed()[lane], ends.end[lane]],
-                ),
+                relative_rate: relative_rate(set, scenario, after, wall, [pushed, end]),
                 regression: found.as_ref().and_then(|found| found.lane(lane)),
             };
             out[after.row as usize] = after.outcome(&ending);

@@ -1,4 +1,4 @@
-//! Linear equations in lanes, of the size that steps of [`conduction`](crate::own::conduction) have: eliminated once, solved for
+//! Linear equations in lanes, of the size that steps of [`conduction`](crate::conduction) have: eliminated once, solved for
 //! several right sides.
 
 use crate::lanes::{Lanes, multiply_add};

@@ -2,16 +2,16 @@
 //! that shows the gas. Rows of each kind stand in a list beside what solves them ([`Own`]); those that it cannot solve after all are
 //! left to the integrator of any chamber.
 
-pub mod adaptive;
-pub mod conduction;
-pub mod convective;
+mod adaptive;
+mod convective;
 mod finish;
 mod flows;
-pub mod gas;
+mod gas;
 mod heated;
-pub mod sealed;
+mod remembering;
+mod sealed;
 mod stirred;
-pub mod test;
+mod test;
 mod turns;
 mod walled;
 
@@ -65,7 +65,7 @@ pub struct Own {
     orifices: List<adaptive::Memory<2, FlowTest<Orifice>>>,
     gaps: List<adaptive::Memory<2, FlowTest<Gap>>>,
     /// The wall remembers.
-    remembering: List<conduction::rows::Memory>,
+    remembering: List<remembering::Memory>,
 }
 
 impl Own {
@@ -81,7 +81,7 @@ impl Own {
             walled::EFFECTS if is_sealed && walled::has_wall(s) => &mut self.walled.rows,
             stirred::EFFECTS if is_sealed && stirred::is_stirred(s) => &mut self.stirred.rows,
             heated::EFFECTS if is_sealed && heated::is_heated(s) => &mut self.heated.rows,
-            conduction::EFFECT if is_sealed && !integrates => &mut self.remembering.rows,
+            remembering::EFFECT if is_sealed && !integrates => &mut self.remembering.rows,
             convective::EFFECTS if !is_sealed || !convective::stays_on_a_side(s) => return None,
             convective::EFFECTS if !integrates => &mut self.convective.rows,
             convective::EFFECTS if convective::is_smooth(s) => &mut self.integrated.rows,
@@ -93,7 +93,7 @@ impl Own {
         })
     }
 
-    /// All lists.
+    /// The lists, in the order in which they are solved.
     pub fn lists(&mut self) -> [&mut List<dyn Way>; 9] {
         [
             &mut self.sealed, &mut self.walled, &mut self.stirred, &mut self.heated, &mut self.convective,

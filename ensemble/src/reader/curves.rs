@@ -1,8 +1,8 @@
 //! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
 
+use super::interpolant::{Interpolant, Stencils};
 use super::{Job, PRESSURE, Trace, Traces};
 use crate::filter::{Lagged, TERMS, ToPowers, kept};
-use crate::general::interpolant::{Interpolant, Stencils};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question, Reading};
 use crate::numerics::root::Curve;
@@ -126,7 +126,7 @@ pub(super) struct LaggedPiece<R> {
     begin: R,
 }
 
-/// Finds this out for a piece of each lane.
+/// Works out the [`LaggedPiece`] of each lane.
 struct Follow<'a> {
     inside: Stencils,
     to_powers: &'a ToPowers,

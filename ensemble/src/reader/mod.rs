@@ -6,16 +6,17 @@
 
 mod bends;
 mod curves;
+mod interpolant;
 mod plain;
 mod regressions;
 
 pub use bends::Bends;
 
 use crate::filter::{CUTS, Sensor, ToPowers};
-use crate::general::history::Knot;
+use crate::integrator::step::View;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
-use crate::outcome::SETTLED;
+use crate::outcome::{ROUNDING, SETTLED};
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::regression::samples::POINTS;
@@ -28,8 +29,17 @@ use std::ops::Range;
 /// Index of the pressure and of the temperature where both are shown.
 const PRESSURE: usize = 0;
 const TEMPERATURE: usize = 1;
-/// Share of its pressure by which a record that stands may tremble.
-pub const ROUNDING: f64 = 1e-12;
+
+/// What is seen at a moment of a segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Knot {
+    /// The moment in the integrator's time, from the segment's start.
+    pub at: f64,
+    /// Pressure, Pa, and temperature, K, of the gas, and their slopes in the integrator's time.
+    pub view: View<f64>,
+    /// Whether the rates have a kink there.
+    pub kink: bool,
+}
 
 /// The answers about one row. Pressures of the record, temperatures of the gas.
 #[derive(Clone, Copy, Debug, Default)]
@@ -444,7 +454,6 @@ impl<'a> Traces<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::step::View;
     use crate::scenario::{Hold, Scenario};
     use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
 

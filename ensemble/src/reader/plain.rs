@@ -2,9 +2,8 @@
 //! it turns round and the one in which it settles: between its turns it goes one way, so that peaks stand at its ends or turns.
 
 use super::bends::Straight;
-use super::{Cut, Job, Memory, PRESSURE, ROUNDING, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
-use crate::general::history::Knot;
-use crate::outcome::SETTLED;
+use super::{Cut, Job, Knot, Memory, PRESSURE, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
+use crate::outcome::{ROUNDING, SETTLED};
 use crate::plan::Plan;
 use crate::regression::samples::POINTS;
 

@@ -6,8 +6,7 @@ use super::pieces::Piece;
 use super::sensors::Sensors;
 use crate::closed::test::Tests;
 use crate::lanes::Lanes;
-use crate::outcome::SETTLED;
-use crate::reader::ROUNDING;
+use crate::outcome::{ROUNDING, SETTLED};
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -29,10 +28,10 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// None of them does.
+    /// No record turns.
     pub const NONE: Self = Self { is: Lanes::ZERO, time: Lanes::ZERO, value: Lanes::ZERO };
 
-    /// That of a lane.
+    /// The record of a lane turns, at a time, s, and shows that pressure there, Pa.
     pub fn put(&mut self, lane: usize, time: f64, value: f64) {
         (self.is[lane], self.time[lane], self.value[lane]) = (1.0, time, value);
     }
@@ -78,7 +77,7 @@ impl WithSimd for TurnBehind<'_> {
     }
 }
 
-/// Finds them.
+/// Looks for the peaks of records and for where they settle: [`FoundEvents`].
 pub struct Events<'a> {
     pub tests: &'a Tests,
     pub pieces: &'a [Piece],
@@ -87,7 +86,7 @@ pub struct Events<'a> {
     pub end: Lanes,
 }
 
-/// What is found.
+/// Peaks of records, and where they settle.
 pub struct FoundEvents {
     /// Extreme reading, Pa, the smallest of an expansion, and when it is shown, s.
     pub peak: Lanes,

@@ -14,16 +14,14 @@ mod samples;
 mod sensors;
 
 use crate::closed::test::{Ends, Tests};
-use crate::filter::{Sensor, ToPowers};
+use crate::filter::{Behind, ToPowers};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::numerics::gauss::{NODES, Panel};
-use crate::outcome::{Outcome, Standing};
-use crate::reader::ROUNDING;
+use crate::outcome::{Outcome, ROUNDING, Standing};
 use crate::regression::Regression;
 use crate::regression::fit;
 use crate::scenario::Scenario;
-use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
@@ -33,15 +31,6 @@ use sensors::Sensors;
 
 /// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
 const MOST_RELAXATIONS: f64 = 20.0;
-
-/// The sensor of one test.
-#[derive(Clone, Copy, Debug)]
-pub struct Behind {
-    /// Lag, offset and drift.
-    pub sensor: Sensor,
-    /// Time by which the record is behind the gas, s.
-    pub delay: f64,
-}
 
 /// The answers about one record.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,33 +45,20 @@ pub struct RecordAnswer {
     pub settling: f64,
 }
 
-impl Behind {
-    /// That of a scenario with the effects of a set.
-    pub fn new(set: EffectSet, scenario: &Scenario) -> Self {
-        let values = &scenario.chamber.effects;
-        Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+/// Whether the closed form is the quicker way to what a sensor shows of a sealed test. With a lag or a delay the push is read
+/// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
+pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
+    if !behind.looks_back() {
+        return true;
     }
-
-    /// Whether the record shows what was before its time.
-    pub fn looks_back(&self) -> bool {
-        self.sensor.lag > 0.0 || self.delay > 0.0
-    }
-
-    /// Whether the closed form is the quicker way to what is shown of a sealed test. With a lag or a delay the push is read
-    /// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
-    pub fn is_quick(&self, scenario: &Scenario) -> bool {
-        if !self.looks_back() {
-            return true;
-        }
-        let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
-        let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
-        let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
-        // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
-        let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
-        let rate = scenario.push_time_s * exchanged * ambient;
-        let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
-        rate * rate * ambient < most * initial_pressure_pa * first * last
-    }
+    let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
+    let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
+    let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
+    // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
+    let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
+    let rate = scenario.push_time_s * exchanged * ambient;
+    let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
+    rate * rate * ambient < most * initial_pressure_pa * first * last
 }
 
 impl RecordAnswer {

@@ -4,9 +4,9 @@
 use super::hold::{self, Holds, Record, Solve};
 use super::{ConvectiveTest, EFFECTS};
 use crate::Batch;
-use crate::ending::Ending;
+use crate::ending::{AfterPush, Ending};
 use crate::features::Timed;
-use crate::general::relaxing_rows::{self, AfterPush};
+use crate::general::relaxing_rows;
 use crate::instructions::Wide;
 use crate::integrator::problem::Problem;
 use crate::lanes::{Lanes, WIDTH};
@@ -53,7 +53,7 @@ fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, o
         }
         let (gas, temperature) = (test.gas(), problem.state[0] * problem.state[0]);
         let energy = test.energy_of_push(problem.energy);
-        let after = AfterPush::of((row, duration), gas, &scenarios[row as usize], temperature, energy);
+        let after = gas.after_push((row, duration), &scenarios[row as usize], temperature, energy);
         let wall = gas.closed.ambient_temperature;
         if after.failure.is_none() && hold::has_series(test.exponent, temperature, wall) {
             in_series.push((index, after));

@@ -1,9 +1,10 @@
-//! The temperature of the gas inside the steps of a hold: as d is a polynomial over a step ([`super`]), so is its integral. From
-//! it follow when a test settles and the samples of its record. A hold goes one way while every mode is on the side of Tw on
-//! which the gas is of the surface: where T met the surface it would not move, but the surface would go back towards Tw.
+//! The temperature of the gas inside the steps of a hold: as d is a polynomial over a step ([`crate::conduction`]), so is its
+//! integral. From it follow when a test settles and the samples of its record. A hold goes one way while every mode is on the side
+//! of Tw on which the gas is of the surface: where T met the surface it would not move, but the surface would go back towards Tw.
 
-use super::rule::{NODES, RULE};
-use super::{Keep, step::GasAndWall};
+use crate::conduction::Keep;
+use crate::conduction::rule::{NODES, RULE};
+use crate::conduction::step::GasAndWall;
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use crate::numerics::root::{Beyond, Curve, root};
 use crate::outcome::SETTLED;

@@ -6,7 +6,7 @@
 //! The reciprocals, for in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is
 //! held has no poles, P has.
 
-use crate::general::history::Knot;
+use super::Knot;
 use crate::integrator::clock::Clock;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::Curve;

@@ -1,17 +1,17 @@
-//! Tests whose wall remembers and that have no other effect, as they come: pushes by their own equations ([`super::push`]), holds as in
-//! [`super`], and what is asked of them from the steps' polynomials ([`dense`]). Those whose hold may turn round, or that the
-//! steps do not do, are left to the way that looks for all places where a record turns.
+//! Tests whose wall remembers and that have no other effect, as they come: pushes by their own equations ([`push`]), holds as in
+//! [`crate::conduction`], and what is asked of them from the steps' polynomials ([`dense`]). Those whose hold may turn round, or that
+//! the steps do not do, are left to the way that looks for all places where a record turns.
 
-use super::dense::{self, Passed, Settle};
-use super::lengths::{LEVELS, OF_NODES};
-use super::push::{Moving, N, Test};
-use super::response::Response;
-use super::step::GasAndWall;
-use super::{HoldSteps, relative, through};
+mod dense;
+mod push;
+
 use crate::Batch;
+use crate::conduction::lengths::{LEVELS, OF_NODES};
+use crate::conduction::response::Response;
+use crate::conduction::step::GasAndWall;
+use crate::conduction::{HoldSteps, relative, through};
 use crate::ending::Ending;
 use crate::features::Timed;
-use crate::general::relaxing_rows::AfterPush;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::problem::Problem;
@@ -21,7 +21,10 @@ use crate::own::Way;
 use crate::regression::Records;
 use chamber::effects::wall_conduction::{KERNEL, MODES};
 use core::hint::black_box;
+use dense::{Passed, Settle};
 use pulp::{Simd, WithSimd};
+pub use push::EFFECT;
+use push::{Moving, N, Test};
 
 /// What is kept from one batch to the next.
 #[derive(Default)]
@@ -129,7 +132,7 @@ fn hold(
             continue;
         }
         let (row, scenario) = (rows[index], scenario(lane));
-        let after = AfterPush::of(row, &tests[index].gas, scenario, pushed[lane], problems[index].energy);
+        let after = tests[index].gas.after_push(row, scenario, pushed[lane], problems[index].energy);
         out[after.row as usize] = after.outcome(&Ending {
             scenario,
             duration: after.duration,

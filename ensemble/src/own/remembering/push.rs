@@ -1,5 +1,6 @@
 //! The push in front of a wall that remembers and nothing else, in lanes: beside the temperature of the gas, as in
-//! [`crate::own::sealed`], the modes of the wall are states, over their weights k. With the same clock, and the names of [`super`],
+//! [`crate::own::sealed`], the modes of the wall are states, over their weights k. With the same clock, and the names of
+//! [`crate::conduction`],
 //!
 //! T'/T = q − 4 (γ − 1) w'/w,  q = c p (a1 w⁴ + a0) w (Ts − T),  Ts = Tw + Σ k y,  y' = f p w T (T − Ts) − μ p w³ y
 //!

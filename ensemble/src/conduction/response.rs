@@ -76,7 +76,6 @@ impl Response<Lanes> {
     }
 }
 
-/// Works the responses out.
 struct WorkOutResponses<'a> {
     response: &'a mut Response<Lanes>,
     length: Lanes,

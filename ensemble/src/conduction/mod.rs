@@ -1,0 +1,78 @@
+//! The hold in front of a wall that remembers ([`wall_conduction`](chamber::effects::wall_conduction)): no gas enters or
+//! leaves and the piston rests, so that of the gas the temperature is the only state, and the wall's surface is a sum of modes,
+//!
+//! T' = −a d,  x' = c d − μ x,  d = b T (T − Tw − Σ x),  a = A/(p m cv),  b = p λ/T
+//!
+//! where p is one over the wall's effusivity and d p times the heat flux into it. An explicit integrator has to follow the
+//! fastest mode. Here d is over a step of length h the polynomial through its values at the nodes of Radau's rule ([`rule`]).
+//! From it T follows by integration and each mode by the integral of d weighted with e^(−μ (t − s)), both exactly
+//! ([`response`]); the values at the nodes solve their equations ([`step`]).
+//!
+//! Modes have the same μ in all rows, so that all rows can take steps of the same lengths ([`lengths`]), with a response worked
+//! out once. A row is solved again with finer steps where the error of any of them counts. Where the finest do not do, the
+//! integrator takes over. Temperatures in K, times in s.
+
+pub mod lengths;
+pub mod response;
+pub mod rule;
+pub mod step;
+
+use crate::lanes::Lanes;
+use crate::numerics::elimination::Factors;
+use crate::scenario::Options;
+use chamber::real::Real;
+use core::hint::black_box;
+use lengths::Growth;
+use response::Response;
+use step::GasAndWall;
+
+/// The relative tolerance that steps are taken with: a looser one than this would save little.
+pub fn relative(options: &Options) -> f64 {
+    options.relative_tolerance.min(1e-8)
+}
+
+/// Sees the steps through holds.
+pub trait Keep {
+    /// A step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
+    fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall);
+}
+
+/// Steps through holds, one a lane.
+#[derive(Clone, Copy)]
+pub struct HoldSteps<'a> {
+    pub growth: Growth,
+    pub level: usize,
+    /// How many steps each takes before its last.
+    pub counts: Lanes,
+    /// The response over its last.
+    pub last: &'a Response<Lanes>,
+    pub relative: f64,
+}
+
+/// Takes the gas to the ends of the holds; positive where all steps were good.
+#[inline(always)]
+pub fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> Lanes {
+    let HoldSteps { growth, level, counts, last, relative } = steps;
+    let gas = black_box(gas);
+    let mut factors = black_box(Factors::NONE);
+    let (mut time, mut taken, mut good) = (Lanes::ZERO, 0, Lanes::ONE);
+    loop {
+        let goes_on = counts - taken as f64;
+        if !goes_on.any_positive() {
+            break;
+        }
+        let (response, begin) = (Response::of(growth.number(level, taken)), gas.temperature);
+        let step = black_box(&mut *gas).step::<f64>(response, relative, &mut factors);
+        let goes = black_box(goes_on.where_positive(Lanes::ONE, Lanes::ZERO));
+        good = goes.where_positive(good.min(step.good), good);
+        time = goes.where_positive(time + response.length, time);
+        gas.take(goes, response.length.into(), &step);
+        kept.keep(time, goes, begin, gas);
+        taken += 1;
+    }
+    let begin = gas.temperature;
+    let step = black_box(&mut *gas).step::<Lanes>(black_box(last), relative, &mut factors);
+    gas.take(Lanes::ONE, last.length, &step);
+    kept.keep(time + last.length, Lanes::ONE, begin, gas);
+    good.min(step.good)
+}
