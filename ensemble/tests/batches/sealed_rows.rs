@@ -2,7 +2,6 @@
 
 use crate::common::{assert_close, assert_same, reference, results, sealed};
 use crate::numbers::Numbers;
-use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
 use ensemble::{Hold, Options, Outcome, Scenario, Solver};
 
@@ -16,28 +15,6 @@ fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
     }
     let flowing = results(EffectSet::NONE, &scenarios, &with(Solver::Adaptive));
     [exact, integrated, flowing]
-}
-
-#[test]
-fn sealed_rows_agree_with_the_exact_solution() {
-    let scenarios = sealed(256);
-    let options = Options { solver: Solver::Adaptive, fit: false, ..Options::default() };
-    for (s, o) in scenarios.iter().zip(results(EffectSet::NONE, &scenarios, &options)) {
-        assert_eq!(o.status, Ok(()));
-        let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, 293.0, volumes[0], 293.0);
-        let peak = closed.ramp(293.0, volumes[0], volumes[1], s.push_time_s);
-        let end = closed.held(peak, volumes[1], o.duration_s - s.push_time_s);
-        assert_close(o.pressure_peak_pa, closed.pressure(peak, volumes[1]), 1e-8, "peak");
-        assert_close(o.pressure_final_pa, closed.pressure(end, volumes[1]), 1e-8, "final");
-        assert_close(o.temperature_peak_k, peak, 1e-8, "peak temperature");
-        assert_close(o.temperature_final_k, end, 1e-8, "final temperature");
-        // 1 − Pf/P decays exponentially: the time at which P is within 1 % of the distance follows in closed form.
-        let (a, k) = (1.0 - 293.0 / peak, closed.rate(volumes[1]));
-        let band = 293.0 / end * (1.0 + 0.01 * (peak / end - 1.0)).recip();
-        let settling = -((1.0 - band) / a).ln() / k;
-        assert_close(o.settling_time_s.unwrap(), settling, 1e-4, "settling time");
-    }
 }
 
 /// Over a whole short push both error estimates of a step can vanish at once, in one row of a few thousand.
