@@ -1,36 +1,7 @@
-//! Sets of effects, at compile time: by name, and by what they act on.
+//! Sets of effects, at compile time, by what they act on.
 
 use chamber::card::ActsOn;
-use chamber::effects::{self, EffectSet};
-
-/// The set of the effect of that name alone.
-pub const fn only(name: &str) -> EffectSet {
-    EffectSet::from_bits(bit(name))
-}
-
-/// The bit of the effect of that name in [`EffectSet::bits`].
-pub const fn bit(name: &str) -> u32 {
-    1 << place(name)
-}
-
-/// The place of the effect of that name among all.
-pub const fn place(name: &str) -> usize {
-    let mut index = 0;
-    while index < effects::COUNT {
-        let (a, b) = (effects::CARDS[index].name.as_bytes(), name.as_bytes());
-        let mut same = a.len() == b.len();
-        let mut i = 0;
-        while same && i < a.len() {
-            same = a[i] == b[i];
-            i += 1;
-        }
-        if same {
-            return index;
-        }
-        index += 1;
-    }
-    panic!("no effect of that name")
-}
+use chamber::effects::{self, EffectSet, Empirical};
 
 /// The effects of a set that act on the gas: neither on its reading nor on a record of the stroke.
 pub const fn on_the_gas(set: EffectSet) -> EffectSet {
@@ -48,5 +19,5 @@ pub const fn on_the_gas_with(states: usize) -> EffectSet {
         }
         effect += 1;
     }
-    EffectSet::from_bits(bits & !bit("empirical"))
+    EffectSet::from_bits(bits).without(Empirical::SET)
 }

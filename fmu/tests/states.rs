@@ -99,7 +99,7 @@ fn a_state_of_another_fmu_another_version_or_none_at_all_is_refused() {
     let host = under_way();
     for bytes in [&b""[..], b"PNTFMUS", b"something else entirely", &[0; 4096]] {
         assert_eq!(host.deserialize(bytes), 3);
-        assert!(host.message().contains("they do not begin like a state of this FMU"));
+        assert!(host.message().contains("its bytes do not begin like a state of this FMU"));
     }
     let mut other = host.serialized();
     other[20] ^= 1;

@@ -331,7 +331,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
     ) -> Self {
         let chamber = &balance.chamber;
         let lag = Some(effects::lag(set, &chamber.effects)).filter(|constant| constant.value() > 0.0);
-        let behind_lag = set.without(EffectSet::one(SensorLag::PLACE));
+        let behind_lag = set.without(SensorLag::SET);
         let lead = effects::stroke_delay(set, &chamber.effects);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         let lagged = (lag.is_none() || inputs.course.motion.starts_at_rest()).then_some(pressure);

@@ -40,7 +40,8 @@ pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     let ratio = table.number(RATIO, &RATIO_BOUNDS)?;
     let known = name.and_then(Gas::named);
     if let (Some(name), None) = (name, known)
-        && (constant.is_none() || ratio.is_none())
+        && constant.is_none()
+        && ratio.is_none()
     {
         return Err(table.refuse("name", KeyProblem::unknown_name(name, Gas::NAMED.iter().map(|(n, _)| *n))));
     }

@@ -6,6 +6,7 @@ use records::look::columns::Names;
 use records::look::motion::{self, Cycle, Phase};
 use records::look::proposal::{self, UserInput};
 use records::look::{Found, Look};
+use records::units::VOLT;
 use report::number::rounded;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -139,8 +140,14 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
         });
         let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);
     }
+    let in_volts = look.guess.columns.iter().any(|column| column.unit.name == VOLT);
     match &look.found {
-        Some(found) => record(&mut out, found, tests),
+        Some(found) => {
+            record(&mut out, found, tests);
+            if in_volts {
+                out += "note: a volt counts as one SI unit here; scale and offset of its column are to be filled in\n";
+            }
+        }
         None => {
             let options: Vec<String> = look.guess.missing().iter().map(|q| format!("--{} COLUMN", q.key())).collect();
             let name = if dialect.header.is_none() { ", by its number: \"column 1\"" } else { "" };

@@ -39,6 +39,12 @@ pub enum Error {
     /// An option of the run that cannot be.
     #[error("{0}")]
     Option(String),
+    /// A file of the folder that says which study it is.
+    #[error("{}: the file is damaged; remove it and run the sweep again: parts that are whole are kept", file.display())]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+    },
     /// The folder is another study's.
     #[error("{}: the folder holds another study: {difference}; choose another folder or empty this one", folder.display())]
     OtherStudy {

@@ -220,7 +220,7 @@ FOLDERS = {
     "parts of an earlier version": (lambda out: (out.mkdir(), (out / "part-00000-of-00001.parquet").write_text("")), "is not in rows/"),
     "rows of someone's": (lambda out: ((out / "rows").mkdir(parents=True), (out / "rows" / "mine.csv").write_text("")), "rows/mine.csv is none of its 1 parts"),
     "parts without their study": (lambda out: ((out / "rows").mkdir(parents=True), (out / "rows" / "part-00000-of-00001.parquet").write_text("")), "which says whose, is missing"),
-    "a manifest that is none": (lambda out: (out.mkdir(), (out / "manifest.json").write_text("{")), "manifest.json cannot be read"),
+    "a manifest that is none": (lambda out: (out.mkdir(), (out / "manifest.json").write_text("{")), "manifest.json: the file is damaged"),
 }
 
 

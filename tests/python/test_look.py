@@ -118,8 +118,9 @@ def test_an_awkward_file_becomes_a_rig_and_gives_the_coefficient(write, record, 
         rig = (tmp_path / "rig.toml").read_text()
         assert rig.count("FILL IN scale") == 2
         pressure, position = "scale = 1e5, offset = -0.5e5", "scale = 0.02, offset = 0.0"
-        rig = rig.replace("scale = 1.0, offset = 0.0", pressure, 1).replace("scale = 1.0, offset = 0.0", position, 1)
-        (tmp_path / "rig.toml").write_text(rig)
+        assert "how many Pa a volt is" in pneutherm("identify", "rig.toml", cwd=tmp_path, code=1).stderr
+        before, middle, after = rig.split('unit = "V"')
+        (tmp_path / "rig.toml").write_text(f'{before}unit = "V", {pressure}{middle}unit = "V", {position}{after}')
     said = pneutherm("identify", "rig.toml", "--json", "out.json", cwd=tmp_path).stdout
     parameters = json.loads((tmp_path / "out.json").read_text())["parameters"]
     assert parameters["lambda0_w_per_m2_k"]["value"] == pytest.approx(LAMBDA0, rel=0.01)

@@ -33,6 +33,8 @@ macro_rules! effects {
         $(impl $module::$name {
             /// Its place in the list of effects.
             pub const PLACE: usize = Id::$module as usize;
+            /// The set of it alone.
+            pub const SET: EffectSet = EffectSet::one(Self::PLACE);
         })*
 
         $(impl Place for $module::$name { const INDEX: usize = Self::PLACE; })*

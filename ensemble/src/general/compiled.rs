@@ -7,9 +7,11 @@ use crate::Batch;
 use crate::instructions;
 use crate::outcome::Outcome;
 use crate::plan::Plan;
-use crate::sets::{bit, on_the_gas, on_the_gas_with};
+use crate::sets::{on_the_gas, on_the_gas_with};
 use chamber::balance::STATES;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{
+    self, EffectSet, Empirical, GasZones, LaminarLeakage, Leakage, SupplyLeakage, TubeVolume, WallHeating,
+};
 
 macro_rules! sets_with_code_of_their_own {
     ($($bits:expr),* $(,)?) => {
@@ -62,15 +64,15 @@ sets_with_code_of_their_own![];
 #[cfg(not(test))]
 sets_with_code_of_their_own![
     // Tight rows take the first that fits, the others the first that is not of tight ones.
-    TIGHT | ASKED | bit("wall_heating"),
+    TIGHT | ASKED | WallHeating::SET.bits(),
     TIGHT | ASKED | relaxation::EFFECTS.bits(),
-    TIGHT | bit("gas_zones"),
+    TIGHT | GasZones::SET.bits(),
     TIGHT | ASKED | on_the_gas_with(effects::MANY).intersection(effects::KEEP_THE_MASS).bits(),
     TIGHT | ASKED | remembering::EFFECTS.bits(),
-    bit("leakage") | bit("supply_leakage") | bit("laminar_leakage") | ASKED,
-    bit("tube_volume"),
-    bit("wall_heating") | ASKED,
-    bit("gas_zones") | ASKED,
-    on_the_gas_with(0).bits() | bit("empirical") | ASKED,
+    Leakage::SET.bits() | SupplyLeakage::SET.bits() | LaminarLeakage::SET.bits() | ASKED,
+    TubeVolume::SET.bits(),
+    WallHeating::SET.bits() | ASKED,
+    GasZones::SET.bits() | ASKED,
+    on_the_gas_with(0).bits() | Empirical::SET.bits() | ASKED,
     on_the_gas_with(effects::MANY).bits() | ASKED,
 ];

@@ -16,19 +16,17 @@ use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::EffectSet;
 use chamber::effects::empirical::{Hinges, KNOTS};
+use chamber::effects::{EffectSet, Empirical};
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// The effect on the gas, of those that there are, that such tests have.
-pub const EFFECTS: EffectSet = sets::only(NAME);
-const NAME: &str = "empirical";
+pub const EFFECTS: EffectSet = Empirical::SET;
 
 /// y, where a scenario has such a term.
 fn heat_flow(scenario: &Scenario) -> Option<Hinges> {
-    Hinges::of(scenario.chamber.effects.of(const { sets::place(NAME) }))
+    Hinges::of(scenario.chamber.effects.of(Empirical::PLACE))
 }
 
 /// Whether the missing term is a heat flow over the pressure.

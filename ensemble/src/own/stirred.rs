@@ -13,17 +13,15 @@ use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{self, DecayingTurbulence, EffectSet};
 use chamber::real::Real;
 
 /// The effect on the gas, of those that there are, that such tests have.
-pub const EFFECTS: EffectSet = sets::only(NAME);
-const NAME: &str = "decaying_turbulence";
+pub const EFFECTS: EffectSet = DecayingTurbulence::SET;
 
 /// k, s/m, and τ, s.
 fn turbulence(scenario: &Scenario) -> [f64; 2] {
-    let parameters = scenario.chamber.effects.of(const { sets::place(NAME) });
+    let parameters = scenario.chamber.effects.of(DecayingTurbulence::PLACE);
     [parameters[0], parameters[1]]
 }
 
@@ -154,4 +152,4 @@ impl Holding<2> for Held {
     }
 }
 
-const _: () = assert!(effects::CARDS[sets::place(NAME)].parameters.len() == 2);
+const _: () = assert!(effects::CARDS[DecayingTurbulence::PLACE].parameters.len() == 2);

@@ -20,14 +20,12 @@ use crate::own::sealed;
 use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{self, EffectSet, WallHeating};
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// The effect on the gas, of those that there are, that such tests have.
-pub const EFFECTS: EffectSet = sets::only(NAME);
-const NAME: &str = "wall_heating";
+pub const EFFECTS: EffectSet = WallHeating::SET;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +41,7 @@ pub struct WalledTest {
 
 /// C_w, J/K, and G, W/K.
 fn wall(scenario: &Scenario) -> [f64; 2] {
-    let parameters = scenario.chamber.effects.of(const { sets::place(NAME) });
+    let parameters = scenario.chamber.effects.of(WallHeating::PLACE);
     [parameters[0], parameters[1]]
 }
 
@@ -236,4 +234,4 @@ impl Holding<2> for Held {
     }
 }
 
-const _: () = assert!(effects::CARDS[sets::place(NAME)].parameters.len() == 2);
+const _: () = assert!(effects::CARDS[WallHeating::PLACE].parameters.len() == 2);

@@ -47,7 +47,7 @@ pub unsafe fn size(instance: &Instance, state: *mut c_void, size: *mut usize) ->
 pub unsafe fn serialize(instance: &Instance, state: *mut c_void, bytes: *mut u8, size: usize) -> Result<()> {
     let serialized = instance.serialize(state.addr())?;
     if size < serialized.len() {
-        return Err(Refusal::BadBytes { why: "size is less than fmi2SerializedFMUstateSize says" });
+        return Err(Refusal::BadBytes { why: "its size is less than fmi2SerializedFMUstateSize says" });
     }
     if bytes.is_null() {
         return Err(Refusal::Null { argument: "serializedState" });

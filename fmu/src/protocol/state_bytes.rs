@@ -78,21 +78,21 @@ fn payload(snapshot: &Snapshot, out: &mut Vec<u8>) {
 pub fn decode(bytes: &[u8], guid: &str) -> Result<Snapshot, Refusal> {
     let bad = |why| Err(Refusal::BadBytes { why });
     if bytes.len() < HEAD || bytes[..8] != MAGIC {
-        return bad("they do not begin like a state of this FMU");
+        return bad("its bytes do not begin like a state of this FMU");
     }
     if bytes[8..12] != VERSION.to_le_bytes() {
-        return bad("they are of another version of the format");
+        return bad("it is of another version of the format");
     }
     if bytes[12..16] != crc32fast::hash(&bytes[16..]).to_le_bytes() {
-        return bad("their checksum does not match: they are cut short or damaged");
+        return bad("its checksum does not match: it is cut short or damaged");
     }
     if bytes[16..HEAD] != padded(guid) {
-        return bad("they belong to an FMU with another guid");
+        return bad("it belongs to an FMU with another guid");
     }
     let mut reader = Reader { rest: &bytes[HEAD..] };
     match reader.snapshot() {
         Some(snapshot) if reader.rest.is_empty() => Ok(snapshot),
-        _ => bad("their values are not those of a valid instance"),
+        _ => bad("its values are not those of a valid instance"),
     }
 }
 

@@ -73,12 +73,12 @@ mod tests {
     use crate::parameters::{Model, Sizes};
     use crate::search::{baseline, starts};
     use crate::synthetic::{Outside, Recipe};
-    use chamber::effects::{EffectSet, SensorDrift};
+    use chamber::effects::SensorDrift;
 
     /// Whether the drifts and initial temperatures of single records follow the test, where a fit has them.
     fn drifts_follow(recipe: &Recipe) -> bool {
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let drift = EffectSet::one(SensorDrift::PLACE);
+        let drift = SensorDrift::SET;
         let model = Model { own: drift, initial_temperature: true, ..Model::with(drift) };
         let fit = starts::fit_model(&data, model, &paper, &Sizes::of(&data, &paper.chamber())).unwrap();
         follows_the_test(&data, &fit)

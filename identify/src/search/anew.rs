@@ -98,12 +98,12 @@ mod tests {
     use super::*;
     use crate::parameters::Model;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, Leakage};
+    use chamber::effects::Leakage;
 
     #[test]
     fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
         let search = Search::after_first_fit(&Recipe::from_seed(5));
-        let model = Model::with(EffectSet::one(Leakage::PLACE));
+        let model = Model::with(Leakage::SET);
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         let good = search.candidate(fit);
         assert_eq!(search.no_worse_than_a_part(&good, &[]).fit.marginal, good.fit.marginal);

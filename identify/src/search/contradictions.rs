@@ -52,13 +52,13 @@ mod tests {
     use crate::judge::left_out::HeldOut;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, NaturalConvection};
+    use chamber::effects::NaturalConvection;
 
     #[test]
     fn a_set_that_leaves_more_than_noise_does_not_enter_with_a_coefficient_that_no_gas_has() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("natural_convection", &[0.4]) };
         let mut search = Search::after_first_fit(&recipe);
-        let model = Model::with(EffectSet::one(NaturalConvection::PLACE));
+        let model = Model::with(NaturalConvection::SET);
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         let mut better = search.candidate(fit);
         (better.delta_bic, better.held_out) = (1e6, Some(HeldOut { rmse_pa: 0.0, weighed_pa: 0.0 }));

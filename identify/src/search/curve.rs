@@ -18,8 +18,8 @@ use crate::judge::sanity::has_plausible_coefficient;
 use crate::parameters::{Model, curve_of};
 use crate::policy;
 use crate::search::starts::fit_by_size;
+use chamber::effects::Empirical;
 use chamber::effects::empirical::Curve;
-use chamber::effects::{EffectSet, Empirical};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -193,7 +193,7 @@ impl Search {
 
     /// The same without the names that stood for part of the curve: those no longer decisive beside it.
     fn pruned(&self, mut best: Judged) -> Judged {
-        let curve = EffectSet::one(Empirical::PLACE);
+        let curve = Empirical::SET;
         loop {
             let less = terms::without_one(&best.candidate.model).into_par_iter().filter(|m| m.effects.contains(curve));
             let refitted = |model| self.refitted_without(&best.candidate.fit, model).filter(|fit| fit.converged);
@@ -253,7 +253,7 @@ impl Search {
     fn refitted_with(&self, part: &Candidate, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
         from.hypothesis.base.effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
-        let effects = part.model.effects.union(EffectSet::one(Empirical::PLACE));
+        let effects = part.model.effects.union(Empirical::SET);
         let model = Model { effects, ..part.model };
         fit_by_size(&self.data, model, &from, &self.sizes, Until::ROUGHLY)
     }

@@ -184,7 +184,7 @@ mod tests {
         recipe.chamber.effects.of_mut(NaturalConvection::PLACE)[0] = 0.4;
         let search = Search::after_first_fit(&recipe);
         assert!(!search.baseline_adequacy.is_adequate());
-        let model = Model::with(EffectSet::one(GasZones::PLACE));
+        let model = Model::with(GasZones::SET);
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
         assert_eq!(fit.exhausted(), None);
         let mut zones = search.candidate(fit);
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn what_a_set_is_without_an_effect_that_is_off_is_fitted_from_there() {
         let (search, mut zones) = search_with_exhausted_zones();
-        let model = Model::with(EffectSet::one(NaturalConvection::PLACE).union(zones.model.effects));
+        let model = Model::with(NaturalConvection::SET.union(zones.model.effects));
         zones = search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap());
         let of_zones = |fit: &Fit| {
             let is_of_zones = |axis: &crate::parameters::Axis| axis.slot.name().starts_with("gas_zones");
@@ -266,7 +266,7 @@ mod tests {
         };
         of_zones(&zones.fit).into_iter().for_each(|k| zones.fit.rig[k] = 0.0);
         let part = search.without_what_is_off(&zones).unwrap();
-        assert_eq!(part.model, Model::with(EffectSet::one(NaturalConvection::PLACE)));
+        assert_eq!(part.model, Model::with(NaturalConvection::SET));
         assert!(part.delta_bic > policy::DECISIVE && part.fit.converged);
         // No more where that is known as well.
         let tried = vec![part];

@@ -100,7 +100,7 @@ mod tests {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let mut search = Search::after_first_fit(&recipe);
-        let zones = Model::with(EffectSet::one(GasZones::PLACE));
+        let zones = Model::with(GasZones::SET);
         let fit = fit_model(&search.data, zones, &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.candidate(fit);
         assert!(search.needed(&search.baseline) < policy::DECISIVE);

@@ -248,7 +248,7 @@ mod tests {
         let coefficients: Vec<f64> =
             bases(&data, &part, &Model::PAPER).iter().map(|base| base.heat_transfer.coefficient).collect();
         assert_eq!(coefficients, [part.chamber().heat_transfer.coefficient, FIRST_LAMBDA0]);
-        let leak = Model::with(EffectSet::one(Leakage::PLACE));
+        let leak = Model::with(Leakage::SET);
         let sizes = Sizes::of(&data, &first_chamber(&data));
         let found = fit_model(&data, leak, &part, &sizes).unwrap().chamber().heat_transfer.coefficient;
         let truth = recipe.chamber.heat_transfer.coefficient;

@@ -83,8 +83,8 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
         remarks.push("CHECK the unit: guessed from the values");
     }
     if column.unit.name == VOLT {
-        keys += ", scale = 1.0, offset = 0.0";
-        remarks.push("FILL IN scale (SI units per volt) and offset (SI units at zero volts)");
+        // A rig file without them is refused; with any numbers it would be taken for the whole truth.
+        remarks.push("FILL IN scale = (SI units per volt) and offset = (SI units at zero volts), within the braces");
     }
     if column.quantity == Quantity::Pressure {
         keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };

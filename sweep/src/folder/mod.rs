@@ -175,7 +175,7 @@ impl<'a> Folder<'a> {
         for name in [format!("{RECORDS}/{STUDY}"), MANIFEST.to_owned()] {
             let Some(text) = self.store.read(&name).map_err(self.reading(&name))? else { continue };
             let Ok(found) = serde_json::from_slice::<Value>(&text) else {
-                return other(format!("{name} cannot be read"));
+                return Err(Error::Damaged { file: self.path(&name) });
             };
             if found["study_sha256"] != json!(self.identity) {
                 return other(format!("{name} is {}", self.described(&found)));

@@ -28,17 +28,15 @@ use crate::own::test::{Holding, OwnTest};
 use crate::plan::starts_singular;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::EffectSet;
 use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
+use chamber::effects::{EffectSet, NaturalConvection};
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::Arch;
 use start::Pushes;
 
 /// The effect on the gas, of those that there are, that such tests have.
-pub const EFFECTS: EffectSet = sets::only(NAME);
-const NAME: &str = "natural_convection";
+pub const EFFECTS: EffectSet = NaturalConvection::SET;
 
 /// How much more than the temperature the factor may err over a step, as a share of its value at first: the end of each step of the push
 /// puts it right, and in the hold it goes more evenly than the temperature, whose errors set the length of steps.
@@ -59,7 +57,7 @@ pub struct ConvectiveTest {
 
 /// n.
 fn exponent(scenario: &Scenario) -> f64 {
-    scenario.chamber.effects.of(const { sets::place(NAME) })[0]
+    scenario.chamber.effects.of(NaturalConvection::PLACE)[0]
 }
 
 /// Whether the heat flow has a rate of change everywhere: with n below zero the gas comes to the wall's temperature at once.

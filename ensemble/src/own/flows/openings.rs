@@ -3,9 +3,7 @@
 
 use crate::lanes::Lanes;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::laminar_leakage::LaminarLeakage;
-use chamber::effects::{Effect, EffectSet, iso6358};
+use chamber::effects::{Effect, EffectSet, LaminarLeakage, Leakage, SupplyLeakage, iso6358};
 use chamber::real::Real;
 
 /// What is on the other side of an opening, and how wide that is.
@@ -65,16 +63,14 @@ pub trait Law: Copy + Default + Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Orifice;
 /// The effects that are such, of which a test has one.
-pub const ORIFICES: [EffectSet; 2] = [LEAKAGE, sets::only("supply_leakage")];
-const LEAKAGE: EffectSet = sets::only("leakage");
+pub const ORIFICES: [EffectSet; 2] = [Leakage::SET, SupplyLeakage::SET];
 
 impl Law for Orifice {
     const POWER: i32 = 1;
 
     fn passage(s: &Scenario) -> Passage {
         let effects = &s.chamber.effects;
-        let (leak, supply) =
-            (effects.of(const { sets::place("leakage") }), effects.of(const { sets::place("supply_leakage") }));
+        let (leak, supply) = (effects.of(Leakage::PLACE), effects.of(SupplyLeakage::PLACE));
         let (conductance, pressure, critical_ratio) =
             if leak[0] != 0.0 { (leak[0], s.ambient_pressure_pa, leak[1]) } else { (supply[0], supply[1], supply[2]) };
         let gas = &s.chamber.gas;
@@ -118,13 +114,13 @@ impl Law for Orifice {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gap;
 /// The effect that is such.
-pub const GAP: EffectSet = sets::only("laminar_leakage");
+pub const GAP: EffectSet = LaminarLeakage::SET;
 
 impl Law for Gap {
     const POWER: i32 = 2;
 
     fn passage(s: &Scenario) -> Passage {
-        let conductance = s.chamber.effects.of(const { sets::place("laminar_leakage") })[0];
+        let conductance = s.chamber.effects.of(LaminarLeakage::PLACE)[0];
         if conductance == 0.0 {
             return Passage::NONE;
         }

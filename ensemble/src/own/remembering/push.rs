@@ -15,15 +15,13 @@ use crate::own::gas::SealedTest;
 use crate::own::sealed;
 use crate::own::test::OwnTest;
 use crate::scenario::Scenario;
-use crate::sets;
-use chamber::effects::EffectSet;
 use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
+use chamber::effects::{EffectSet, WallConduction};
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// The effect on the gas, of those that there are, that such tests have.
-pub const EFFECT: EffectSet = sets::only(NAME);
-const NAME: &str = "wall_conduction";
+pub const EFFECT: EffectSet = WallConduction::SET;
 
 /// States: z, then the modes over their weights.
 pub const N: usize = 1 + MODES;
@@ -45,7 +43,7 @@ impl Test {
         let gas = <SealedTest as OwnTest<1>>::new(s);
         let [lateral, _] = s.chamber.geometry.area_constants();
         let coefficient = gas.closed.exchange[0] / lateral;
-        let inverse_effusivity = s.chamber.effects.of(const { sets::place(NAME) })[0];
+        let inverse_effusivity = s.chamber.effects.of(WallConduction::PLACE)[0];
         let closed = &gas.closed;
         let feed = inverse_effusivity * coefficient * closed.mass_gas_constant / closed.expansion;
         let cooling = (closed.exchange[0] * gas.held_volume + closed.exchange[1]) / feed;

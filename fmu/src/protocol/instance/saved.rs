@@ -65,7 +65,7 @@ impl Instance {
         let snapshot = state_bytes::decode(bytes, &self.guid)?;
         if snapshot.simulation.kind != self.now.kind {
             return Err(Refusal::BadBytes {
-                why: "they are of an instance of the other kind, Model Exchange or co-simulation",
+                why: "it is of an instance of the other kind, Model Exchange or co-simulation",
             });
         }
         Ok(self.keep(snapshot))
