@@ -121,12 +121,8 @@ impl Closed<f64> {
     }
 }
 
-/// Temperature, K, of a closed chamber with its piston held where λ is constant: the paper's exponential, with τ in s.
-pub fn held_constant_coefficient(temperature: f64, ambient_temperature: f64, time_constant: f64, t: f64) -> f64 {
-    ambient_temperature + (temperature - ambient_temperature) * (-t / time_constant).exp()
-}
-
-/// The same where λ ∝ |T − Tw|^¼ and else constant; `time_constant`, s, is that of the start.
+/// Temperature, K, of a closed chamber with its piston held where λ ∝ |T − Tw|^¼ and else constant; `time_constant`, s, is that of the
+/// start.
 pub fn held_natural_convection(temperature: f64, ambient_temperature: f64, time_constant: f64, t: f64) -> f64 {
     ambient_temperature + (temperature - ambient_temperature) * (1.0 + t / (4.0 * time_constant)).powi(-4)
 }

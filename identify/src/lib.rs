@@ -1,6 +1,6 @@
 //! Measured traces in, an identified model out: the fit of a rig, its residual, and the effect that explains it.
 //!
-//! Each stage uses only those above it:
+//! Each stage uses only those above it, and all report their errors as [`Error`]:
 //!
 //! | module | holds |
 //! |---|---|
@@ -14,9 +14,9 @@
 //! | [`outcome`] | results for programs and reports |
 //! | [`synthetic`] | rigs with a known truth, for tests and the Monte Carlo study |
 
-pub mod characteristic;
+mod characteristic;
 pub mod discrepancy;
-pub mod error;
+mod error;
 pub mod fit;
 pub mod forward;
 mod isentrope;

@@ -16,12 +16,16 @@ pub const GO_ON: usize = 3;
 /// Best sets that are joined in pairs: of the single terms, and later, where none enters alone, of the chosen set's
 /// extensions.
 pub const PAIRED: usize = 6;
+/// Best single terms of which the secondary parameters are freed before they are compared.
+pub const FREED: usize = 6;
 /// Effects of the rig from which on sets with another one in the place of each are tried before a set explains the records: of
 /// smaller ones the rounds have come to what fits best.
 pub const EXCHANGED_FROM: usize = 3;
 /// Larger sets of a round that are fitted, those whose first step promises most: so many with terms of single records, and
 /// so many without.
 pub const FITTED: usize = 8;
+/// Best sets of all rounds before whose error on left-out data is judged again where the data get other weights.
+pub const REJUDGED: usize = 8;
 /// Best sets of a round whose error on left-out data is judged.
 pub const JUDGED: usize = 4;
 

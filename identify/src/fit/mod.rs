@@ -1,7 +1,7 @@
 //! All records of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ v², v the whitened block residuals ([`crate::record::whiten`]). The normal equations are bordered: each record's
-//! own numbers appear in its rows only and are eliminated record by record ([`bordered`]), so that the system solved has the size
+//! Minimises Σ v², v the whitened block residuals (`record::whiten`). The normal equations are bordered: each record's
+//! own numbers appear in its rows only and are eliminated record by record (`bordered`), so that the system solved has the size
 //! of the rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
 //! parallel and summed in order: the same data gives the same bits on any number of threads.
 //!
@@ -11,7 +11,7 @@
 //! the linearised problem too, for the intervals; in sums of squares they stay as stated, and where the records speak for others
 //! they are set free.
 
-pub mod bordered;
+pub(crate) mod bordered;
 pub mod covariance;
 mod descent;
 mod found;

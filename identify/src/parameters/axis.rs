@@ -16,7 +16,7 @@ pub enum Slot {
     Bore,
     /// Scale of the measured position.
     PositionScale,
-    /// Amplitude of a wave by which the measured position lies off a straight line: [`crate::characteristic`].
+    /// Amplitude of a wave by which the measured position lies off a straight line: `characteristic`.
     PositionLinearity(usize),
     /// Zero of the measured position; where the dead volume is free it is part of that.
     PositionZero,

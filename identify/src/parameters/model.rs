@@ -30,6 +30,12 @@ impl Model {
         Self { effects, ..Self::PAPER }
     }
 
+    /// Without some effects, and what is free of them.
+    pub fn without(&self, effects: EffectSet) -> Self {
+        let without = |set: EffectSet| set.without(effects);
+        Self { effects: without(self.effects), own: without(self.own), secondary: without(self.secondary), ..*self }
+    }
+
     /// The same terms, none with secondary parameters free.
     pub fn with_nothing_freed(&self) -> Self {
         Self { secondary: EffectSet::NONE, ..*self }

@@ -3,7 +3,7 @@
 //! A move is a cubic spline near its samples that meets the holds around it, since straight lines between 100 Hz rows
 //! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by `smoothed`,
 //! a long one by `thinned`. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
-//! constant speed keeps its corners ([`crate::record::ramp`]), as does one that leaves a hold at once or is stopped
+//! constant speed keeps its corners (`ramp`), as does one that leaves a hold at once or is stopped
 //! (`corner`). Position in m, time in s from the record's start.
 
 use crate::record::corner;

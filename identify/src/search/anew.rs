@@ -48,7 +48,7 @@ impl Search {
         let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
         self.begin_again(data);
         let mut tried = self.refitted(&self.tried);
-        self.judge(&mut tried, policy::FITTED);
+        self.judge(&mut tried, policy::REJUDGED);
         self.tried = tried;
         self.take_best(self.tried.clone());
     }

@@ -31,7 +31,7 @@ const LEAST_SHARE: f64 = 0.5;
 /// A refitted curve has at the most so many times the evidence that it has to first order, beside what it is added to.
 const FIRST_ORDER: f64 = 5.0;
 /// Refitted curves that are judged by left-out experiments, on each model.
-const JUDGED: usize = 3;
+const CURVES_JUDGED: usize = 3;
 /// A name goes out where the model predicts left-out experiments nearly as well without it: its error over that with it.
 const NEARLY_AS_WELL: f64 = 1.1;
 
@@ -229,7 +229,7 @@ impl Search {
             .collect();
         refitted.retain(|(_, candidate)| candidate.delta_bic > least_bic);
         refitted.sort_by(|a, b| by_bic(&b.1, &a.1));
-        refitted.truncate(JUDGED);
+        refitted.truncate(CURVES_JUDGED);
         let judged = |(first_order, mut candidate): (Missing, Candidate)| {
             if self.has_one_experiment() {
                 self.hold_out(&mut candidate);

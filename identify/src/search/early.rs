@@ -29,12 +29,8 @@ impl Search {
             return None;
         }
         let (gone, new) = (EffectSet::one(late), EffectSet::one(delay));
-        let model = Model {
-            effects: c.model.effects.without(gone).union(new),
-            own: c.model.own.union(new),
-            secondary: c.model.secondary.without(gone),
-            ..c.model
-        };
+        let without = c.model.without(gone);
+        let model = Model { effects: without.effects.union(new), own: without.own.union(new), ..without };
         let chamber = c.fit.chamber();
         let mut chamber = Chamber { effects: chamber.effects.without(gone), ..chamber };
         chamber.effects.of_mut(delay)[0] = -early_s;

@@ -102,8 +102,7 @@ impl Search {
     /// better than that: beside such an effect a fit may come to a valley that it has missed without.
     pub(super) fn without_what_is_off(&self, c: &Candidate) -> Option<Candidate> {
         let off = c.model.of_rig().without(c.fit.chamber().active());
-        let effects = c.model.effects.without(off);
-        let model = Model { effects, secondary: c.model.secondary.without(off), ..c.model };
+        let model = c.model.without(off);
         if off.is_empty() || model.terms() == 0 {
             return None;
         }

@@ -59,16 +59,11 @@ impl Search {
         // A pressure that is early beside its position is a position that is late.
         let is_early = parameters::delays_pressure(effect) && means.iter().any(|(_, mean)| *mean < 0.0);
         let common = if is_early { terms::effect_that(parameters::delays_position)? } else { effect };
-        let without = whole.effects.without(EffectSet::one(effect));
-        if without.has(common) {
+        let without = whole.without(EffectSet::one(effect));
+        if without.effects.has(common) {
             return None;
         }
-        let model = Model {
-            effects: without.union(EffectSet::one(common)),
-            own: whole.own.without(EffectSet::one(effect)),
-            secondary: whole.secondary.without(EffectSet::one(effect)),
-            ..*whole
-        };
+        let model = Model { effects: without.effects.union(EffectSet::one(common)), ..without };
         let chamber = fit.chamber();
         let mut values = chamber.effects.without(EffectSet::one(effect));
         for (p, mean) in means {

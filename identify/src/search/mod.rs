@@ -8,21 +8,21 @@
 //! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
 //! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
 //! with the stated numbers far more uncertain than stated, or it goes out again (`needed`). Where that leaves more than noise, the
-//! missing term is read off the residual as a curve ([`curve`]).
+//! missing term is read off the residual as a curve (`curve`).
 
 mod alike;
 pub mod anew;
 pub mod baseline;
 mod conclude;
 mod contradictions;
-pub mod curve;
+pub(crate) mod curve;
 mod early;
 mod entry;
 mod fold;
 mod in_gas;
 mod needed;
 pub mod starts;
-pub mod terms;
+pub(crate) mod terms;
 mod verdict;
 
 use crate::error::Error;
@@ -84,7 +84,7 @@ pub struct Found {
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
-    /// Whether what the records have for themselves follows the kind of test: see [`crate::judge::kinds`].
+    /// Whether what the records have for themselves follows the kind of test: see `judge::kinds`.
     pub follows_the_test: bool,
     /// Whether the chosen model predicts records that were left out whole about as well as it fits the others.
     pub carries_over: bool,
@@ -128,7 +128,7 @@ impl Found {
 /// the best model shows it.
 ///
 /// # Errors
-/// Where the data contradict the model in a way that has a name: see [`sanity`].
+/// Where the data contradict the model in a way that has a name: see `judge::sanity`.
 pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     let found = in_gas::search(data, progress)?;
     progress("done", 1.0);
@@ -221,7 +221,7 @@ impl Search {
     /// Takes the best single term.
     fn first_round(&mut self) {
         let mut singles = self.singles();
-        let strongest = singles.len().min(policy::PAIRED);
+        let strongest = singles.len().min(policy::FREED);
         singles[..strongest].par_iter_mut().for_each(|single| {
             if let Some(freed) = self.freed(single) {
                 *single = freed;

@@ -16,7 +16,7 @@ const TRIAL_ITERATIONS: [usize; 2] = [2, 2];
 /// Iterations that tell how large a curve is: its order of magnitude is enough.
 const SIZE_ITERATIONS: usize = 4;
 /// How many starts go on to the end: the best, and a rival that a few iterations do not tell from it.
-const GO_ON: usize = 2;
+const STARTS_THAT_GO_ON: usize = 2;
 /// A start goes on beside the best one if its χ² is less than so many times the best one's...
 const NOT_FAR_BEHIND: f64 = 2.0;
 /// ...and is not the same within this share, which means that both have come to the same minimum.
@@ -73,7 +73,7 @@ fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes
     let begun = trials(base, data, model, part, sizes, &selection);
     let least = begun.first()?.1.chi2;
     let leads_on = |start: &Descent| start.chi2 == least || is_rival(start.chi2, least);
-    let go_on: Vec<_> = begun.into_iter().filter(|(_, start)| leads_on(start)).take(GO_ON).collect();
+    let go_on: Vec<_> = begun.into_iter().filter(|(_, start)| leads_on(start)).take(STARTS_THAT_GO_ON).collect();
     let fitted = |(h, start): (Hypothesis, Descent)| fit::fit(data, &h, start.rig, start.own, &selection).ok();
     best(go_on.into_par_iter().filter_map(fitted).collect())
 }

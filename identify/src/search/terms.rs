@@ -64,19 +64,7 @@ pub fn takes_back_the_stroke(model: &Model) -> bool {
 
 /// The model with one term less, each way there is; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
-    let mut out: Vec<Model> = model
-        .effects
-        .iter()
-        .map(|e| {
-            let one = EffectSet::one(e);
-            Model {
-                effects: model.effects.without(one),
-                own: model.own.without(one),
-                secondary: model.secondary.without(one),
-                ..*model
-            }
-        })
-        .collect();
+    let mut out: Vec<Model> = model.effects.iter().map(|e| model.without(EffectSet::one(e))).collect();
     if model.initial_temperature {
         out.push(Model { initial_temperature: false, ..*model });
     }

@@ -69,10 +69,10 @@ impl Beat {
     /// With a known period, as these marks have it.
     fn like(marks: &[Mark], period: f64) -> Self {
         /// Two clocks agree to this share.
-        const KNOWN_TO: f64 = 3e-4;
+        const FREQUENCY_KNOWN_TO: f64 = 3e-4;
         let frequency = 1.0 / period;
         let finer = 1.0 / (FINE * length(marks));
-        Self::in_phase(marks, 1.0 / strongest(marks, frequency, KNOWN_TO * frequency, finer))
+        Self::in_phase(marks, 1.0 / strongest(marks, frequency, FREQUENCY_KNOWN_TO * frequency, finer))
     }
 
     fn in_phase(marks: &[Mark], period: f64) -> Self {

@@ -18,7 +18,7 @@ const SAME_WAY: f64 = 0.8;
 /// ...and how many readings must have such, or at the least if the period is known.
 const FEWEST_PAIRS: [usize; 2] = [FEWEST_READINGS / 2, FEWEST_READINGS / 4];
 /// How well a beat is known, rows.
-const KNOWN_TO: f64 = 0.02;
+const BEAT_KNOWN_TO: f64 = 0.02;
 /// So many rows show that those between the readings lie on straight lines.
 const FEWEST_ROWS: usize = 10;
 
@@ -104,7 +104,7 @@ impl Bent {
         if beat.period < SHORTEST {
             return false;
         }
-        let reach = 1.0 + KNOWN_TO;
+        let reach = 1.0 + BEAT_KNOWN_TO;
         let [mut there, mut between] = [(0.0, 0), (0.0, 0)];
         for (i, square) in self.squares.iter().enumerate().filter(|(i, _)| !self.bends[*i].is_nan()) {
             let row = (i + 1) as f64;
@@ -127,7 +127,7 @@ impl Bent {
     /// Whether there are so many readings beside which both rows bend, and hardly any of these bend to and fro.
     fn bend_one_way(&self, beat: Beat, fewest: usize) -> bool {
         let is_bent = |bend: &f64| bend * bend > OF_ROUNDING * self.rounding.max(f64::MIN_POSITIVE);
-        let clear = KNOWN_TO..1.0 - KNOWN_TO;
+        let clear = BEAT_KNOWN_TO..1.0 - BEAT_KNOWN_TO;
         let pairs: Vec<[f64; 2]> = self
             .beats(beat)
             .filter(|k| clear.contains(&(beat.at(*k) - beat.at(*k).floor())))
