@@ -3,6 +3,7 @@
 //! A constant mass fraction z (zone 2) at the common pressure P, with Q12 = H (T1 − T2) from the rest (zone 1).
 //! Enthalpy balance of zone 2: z m cp dT2/dt = V2 dP/dt + Q12 + z Σ ṁin cp (Tin − T2), V2 = z m R T2/P.
 //! Flows are in proportion. T = (1 − z) T1 + z T2 = P V/(m R) is the mean; T1 is the T of λ and Q̇.
+//! Where the heat capacity depends on temperature, both zones have that of the mean temperature.
 //! z  1; H  W/K. z = 0 means off. Source: two-zone models of engine cylinders, Heywood (1988), chapter 14.
 
 use super::Effect;

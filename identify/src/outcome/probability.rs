@@ -4,6 +4,9 @@
 //! p, about one in as many terms as there are, so that one which adds nothing to a set gains nothing by being tried. T = 1
 //! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself. BIC is that of gas no better known
 //! than its tolerance. Sets with a curve in them are left out.
+//!
+//! Where the chosen set explains the records, none counts as likelier than it: what speaks against the others, their error on records left
+//! out or a number that cannot be, is no part of their BIC.
 
 use crate::search::{Candidate, Found, Verdict};
 use chamber::effects::{CARDS, COUNT};
@@ -39,7 +42,9 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
     // A curve is a description, no hypothesis with a name.
     let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].is_candidate());
     let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
-    let best = sets.clone().map(|c| c.delta_bic).fold(f64::MIN, f64::max);
+    let most = if found.verdict == Verdict::Explained { found.chosen.delta_bic } else { f64::MAX };
+    let gain = |c: &Candidate| c.delta_bic.min(most);
+    let best = sets.clone().map(gain).fold(f64::MIN, f64::max);
     let (mut sum, mut each) = (0.0, [0.0; COUNT]);
     let named = found.chosen.model.of_rig();
     let mut seen = Vec::new();
@@ -48,7 +53,7 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
             continue;
         }
         seen.push(c.model);
-        let weight = odds(c.delta_bic - best) * PRIOR.powi(c.model.terms() as i32);
+        let weight = odds(gain(c) - best) * PRIOR.powi(c.model.terms() as i32);
         sum += weight;
         let held = c.model.of_rig().union(c.model.effects.intersection(named));
         held.iter().for_each(|e| each[e] += weight);
@@ -62,6 +67,26 @@ pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::Model;
+    use crate::record::data::Data;
+    use crate::search;
+    use crate::synthetic::Recipe;
+    use chamber::effects::WallHeating;
+
+    #[test]
+    fn what_explains_the_records_is_as_probable_as_a_set_with_more_evidence_that_the_search_has_refused() {
+        let recipe = Recipe::from_seed(5).with("leakage", &[2e-11]);
+        let (_, mut found) = search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap();
+        assert_eq!(found.verdict, Verdict::Explained);
+        let mut refused = found.chosen.clone();
+        (refused.model, refused.delta_bic) = (Model::with(WallHeating::SET), refused.delta_bic + 100.0);
+        found.tried.push(refused);
+        let probability = |found: &Found, name: &str| of_effects(found).into_iter().find(|(n, _)| n == name).unwrap().1;
+        let [leak, wall] = ["leakage", "wall_heating"].map(|name| probability(&found, name));
+        assert!((leak / wall - 1.0).abs() < 0.1 && leak > 0.4, "{leak} {wall}");
+        found.verdict = Verdict::Improved;
+        assert!(probability(&found, "wall_heating") > 0.99);
+    }
 
     #[test]
     fn effects_are_called_probable_only_where_they_leave_no_more_than_noise() {

@@ -16,7 +16,7 @@ pub enum Variable {
     Position,
     /// Its velocity, positive where the chamber grows, m/s.
     Velocity,
-    /// Power of the gas on the piston P dV/dt, W.
+    /// Power of the gas on the piston P dV/dt, W, positive where the chamber grows.
     PistonPower,
     /// Mass of the gas, kg.
     Mass,
