@@ -273,6 +273,19 @@ fn a_voltage_is_left_to_the_user() {
 }
 
 #[test]
+fn a_position_in_percent_is_asked_for_its_range() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("percent.csv");
+    for name in ["position_%", "Position [%]", "Hub in %"] {
+        std::fs::write(&path, table(&format!("time_s,pressure_pa,{name}"), |t, p, x| format!("{t},{p},{}", 500.0 * x)))
+            .unwrap();
+        let look = Look::at(&path, &Names::default()).unwrap();
+        let rig = rig_file(&look, &UserInput { trace: "percent.csv".to_owned(), ..UserInput::default() });
+        assert!(rig.contains("unit = \"%\" }  # FILL IN unit"), "{rig}");
+    }
+}
+
+#[test]
 fn what_cannot_be_told_is_asked_for_and_a_named_column_is_taken() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("abc.csv");

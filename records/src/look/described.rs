@@ -17,6 +17,8 @@ pub struct Guessed {
     pub unit: &'static Unit,
     /// Whether the unit was taken from the values.
     pub unit_guessed: bool,
+    /// Whether it is in percent of a range that the file does not tell.
+    pub in_percent: bool,
     /// Whether pressures count from the surroundings'.
     pub gauge: bool,
     /// Whether a pressure's header leaves open from where it counts.
@@ -143,6 +145,8 @@ impl Described {
             name: if own_name { self.name.clone() } else { format!("column {}", self.place + 1) },
             unit: known.unwrap_or_else(by_value),
             unit_guessed: known.is_none(),
+            in_percent: known.is_none()
+                && (self.name.contains('%') || self.unit.as_deref().is_some_and(|unit| unit.contains('%'))),
             gauge: quantity == Quantity::Pressure && gauge,
             reference_guessed: quantity == Quantity::Pressure && !gauge && !absolute,
             sign: 1.0,

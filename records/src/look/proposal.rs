@@ -77,9 +77,12 @@ fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result 
 }
 
 fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
-    let mut keys = format!("name = {}, unit = \"{}\"", quoted(&column.name), column.unit.name);
+    let unit = if column.in_percent { "%" } else { column.unit.name };
+    let mut keys = format!("name = {}, unit = \"{unit}\"", quoted(&column.name));
     let mut remarks = Vec::new();
-    if column.unit_guessed {
+    if column.in_percent {
+        remarks.push("FILL IN unit, and scale = (of that unit for each percent)");
+    } else if column.unit_guessed {
         remarks.push("CHECK the unit: guessed from the values");
     }
     if column.unit.name == VOLT {
