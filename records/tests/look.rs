@@ -29,7 +29,7 @@ fn looked_at(name: &str, bytes: &[u8]) -> (TempDir, PathBuf, Look, Trace) {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     let look = Look::at(&path, &Names::default()).unwrap();
-    let stated = UserInput { bore_m: Some(0.032), trace: name.to_owned(), name: "test".to_owned(), cycles: Vec::new() };
+    let stated = UserInput { bore_m: Some(0.032), trace: name.to_owned(), name: "test".to_owned(), cycles: None };
     std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
     let mut rig = Rig::read(folder.path()).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert_eq!(rig.cylinder.bore_m, 0.032);
@@ -330,7 +330,12 @@ fn cycles_in_one_file_become_experiments() {
     let (cycles, open) =
         motion::cycles([&found.trace.time_s, pressure, &found.trace.position_m], &found.readings, &found.phases);
     assert_eq!((cycles.len(), open), (3, 3), "{cycles:?}");
-    let stated = UserInput { bore_m: Some(0.032), trace: "cycles.csv".to_owned(), name: "cycle".to_owned(), cycles };
+    let stated = UserInput {
+        bore_m: Some(0.032),
+        trace: "cycles.csv".to_owned(),
+        name: "cycle".to_owned(),
+        cycles: Some(cycles),
+    };
     std::fs::write(folder.path().join("rig.toml"), rig_file(&look, &stated)).unwrap();
     let rig = Rig::read(folder.path()).unwrap();
     assert_eq!(rig.experiments.len(), 3);

@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             bore_m: args.bore_mm.map(|bore| bore / 1000.0),
             trace: named_from(&args.trace, args.output.as_deref()),
             name: args.trace.file_stem().map_or("test".to_owned(), |stem| stem.to_string_lossy().into_owned()),
-            cycles: if args.split { cycles.clone() } else { Vec::new() },
+            cycles: args.split.then(|| cycles.clone()),
         },
     );
     if let Some(path) = &args.output {
@@ -205,7 +205,16 @@ fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
     }
     if tests.open > 0 {
         let open = tests.open;
-        let _ = writeln!(out, "{open} moves without a response of the pressure that lasts: the port was open");
+        let moves = if open == 1 { "move" } else { "moves" };
+        let _ = writeln!(
+            out,
+            "{open} {moves} without a response of the pressure that lasts: the port was open, or opened too soon after"
+        );
+    }
+    if tests.split && tests.cycles.is_empty() {
+        out.push_str(
+            "no push-and-hold test was found: the rig file has the whole record as one experiment, to be checked\n",
+        );
     }
 }
 

@@ -80,7 +80,7 @@ mod tests {
         assert_eq!(found.verdict, Verdict::Explained);
         let mut refused = found.chosen.clone();
         (refused.model, refused.delta_bic) = (Model::with(WallHeating::SET), refused.delta_bic + 100.0);
-        found.tried.push(refused);
+        found.tried.insert(0, refused);
         let probability = |found: &Found, name: &str| of_effects(found).into_iter().find(|(n, _)| n == name).unwrap().1;
         let [leak, wall] = ["leakage", "wall_heating"].map(|name| probability(&found, name));
         assert!((leak / wall - 1.0).abs() < 0.1 && leak > 0.4, "{leak} {wall}");

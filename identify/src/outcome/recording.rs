@@ -185,8 +185,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
         };
         out.push(format!("{}: {rows}", t.path.display()));
     }
-    out.extend(starting(data));
-    out.extend(shut(data));
+    out.extend(before_test(data));
     out.extend(opened(data));
     let saturated = |t: &Prepared| saturation::sentence(&t.path, &t.readout.saturated, &t.lines, &t.time_s);
     out.extend(data.traces.iter().filter_map(saturated));
@@ -194,25 +193,14 @@ pub fn left_out(data: &Data) -> Vec<String> {
     out
 }
 
-/// Which records begin with a filter that settles, and until when.
-fn starting(data: &Data) -> Option<String> {
+/// Which records begin before their test, and for how long.
+fn before_test(data: &Data) -> Option<String> {
     let records = records_with(data, |t| {
-        let rows = t.readout.starting;
-        (rows > 0).then(|| format!(": {rows} rows, {:.2} s", t.time_s[rows] - t.time_s[0]))
+        let (rows, time_s) = t.before_test?;
+        Some(format!(": {rows} rows, {time_s:.2} s"))
     })?;
     Some(format!(
-        "the first readings settle from elsewhere, as those of a filter that begins at zero; they are left out ({records})"
-    ))
-}
-
-/// Which records begin with an open chamber, and until when.
-fn shut(data: &Data) -> Option<String> {
-    let records = records_with(data, |t| {
-        let rows = t.readout.shut;
-        (rows > 0).then(|| format!(": {rows} rows, {:.2} s", t.time_s[rows] - t.time_s[0]))
-    })?;
-    Some(format!(
-        "the pressure changes fast while the piston rests and then, before the first move, all at once no more, as if the port was shut only then; the rows up to there are left out ({records})"
+        "the pressure changes fast while the piston rests, and then no more before the first move, as while a port is still open or a filter settles that began at zero; the rows up to there are left out ({records})"
     ))
 }
 

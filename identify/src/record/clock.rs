@@ -19,15 +19,8 @@ pub fn forward_only(trace: &Trace) -> (Cow<'_, Trace>, usize) {
     if left_out == 0 {
         return (Cow::Borrowed(trace), 0);
     }
-    let kept = |column: &Vec<f64>| column.iter().zip(&goes_on).filter(|(_, after)| **after).map(|(v, _)| *v).collect();
     let mut out = trace.clone();
-    out.time_s = kept(&trace.time_s);
-    out.position_m = kept(&trace.position_m);
-    out.pressure_pa = trace.pressure_pa.as_ref().map(kept);
-    out.ambient_temperature_k = trace.ambient_temperature_k.as_ref().map(kept);
-    out.gas_temperature_k = trace.gas_temperature_k.as_ref().map(kept);
-    out.mass_flow_kg_per_s = trace.mass_flow_kg_per_s.as_ref().map(kept);
-    out.lines.retain(&goes_on);
+    out.retain(&goes_on);
     (Cow::Owned(out), left_out)
 }
 

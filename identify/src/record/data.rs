@@ -29,6 +29,8 @@ pub struct Prepared {
     pub repeat: usize,
     /// Rows left out since their time did not go on.
     pub backward_rows: usize,
+    /// Rows at the beginning, and their time, s, that are left out since a filter settles there or the port was shut only then.
+    pub before_test: Option<(usize, f64)>,
     /// Lines of all rows in the file.
     pub lines: LineNumbers,
     /// Times of all rows, s: of one that first shows a reading of a sensor with a clock of its own, when that was taken.

@@ -31,6 +31,28 @@ impl Data {
     /// # Errors
     /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
+        let data = Self::of_rows(rig)?;
+        let begin_s = |t: &Prepared| (t.readout.starting > 0).then(|| t.time_s[t.readout.starting]);
+        if data.traces.iter().all(|t| begin_s(t).is_none()) {
+            return Ok(data);
+        }
+        // A test begins with its first row that is data: nobody knows what flowed before.
+        let mut rig = rig.clone();
+        let traces = rig.experiments.iter_mut().flat_map(|experiment| &mut experiment.traces);
+        for (trace, begin_s) in traces.zip(data.traces.iter().map(begin_s)) {
+            let Some((begin_s, &first_s)) = begin_s.zip(trace.time_s.first()) else { continue };
+            let is_of_test: Vec<bool> = trace.time_s.iter().map(|time_s| time_s - first_s >= begin_s).collect();
+            trace.retain(&is_of_test);
+        }
+        let mut of_tests = Self::of_rows(&rig)?;
+        for (t, whole) in of_tests.traces.iter_mut().zip(&data.traces) {
+            t.before_test = begin_s(whole).map(|begin_s| (whole.readout.starting, begin_s - whole.time_s[0]));
+        }
+        Ok(of_tests)
+    }
+
+    /// The same of all rows of the traces.
+    fn of_rows(rig: &Rig) -> Result<Self, Error> {
         let mended = Mended::all(rig);
         let mut columns = Vec::with_capacity(mended.len());
         for trace in &mended {
@@ -57,10 +79,9 @@ impl Data {
         let mut noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         drop(quiet);
         for c in &mut columns {
-            c.readout.starting = c.starting();
-            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
             let deviation_pa = noise.white_pa.hypot(noise.rounding_pa());
-            c.readout.shut = c.shut(deviation_pa);
+            c.readout.starting = c.starting(deviation_pa);
+            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(deviation_pa);
         }
         let leaves_out = |r: &Readout| r.is_early(0) || !r.outliers.is_empty() || r.opened.is_some();
@@ -193,19 +214,14 @@ impl<'a> Columns<'a> {
         Quiet { time_s, pressure_pa, motion, readout }
     }
 
-    /// Rows at the beginning that show a filter which has not settled yet.
-    fn starting(&self) -> usize {
-        let Some(rest) = self.motion.segments.first().filter(|s| s.phase == Phase::Rest) else { return 0 };
-        let (rows, [_, pressures_pa]) = self.data_of(rest.first..rest.end);
-        let settling = start_up::readings(&pressures_pa);
-        rows[..settling].last().map_or(0, |last| last + 1)
-    }
-
-    /// Rows at the beginning before the chamber was shut, where the piston rests there.
-    fn shut(&self, noise_pa: f64) -> usize {
+    /// Rows at the beginning before a filter has settled, or the port is shut, where the piston rests there. `noise_pa`: standard
+    /// deviation of a reading, Pa.
+    fn starting(&self, noise_pa: f64) -> usize {
         let Some(rest) = self.motion.segments.first().filter(|s| s.phase == Phase::Rest) else { return 0 };
         let (rows, [times_s, pressures_pa]) = self.data_of(rest.first..rest.end);
-        shut_from(&times_s, &pressures_pa, noise_pa).map_or(0, |first| rows[first])
+        let settling = start_up::readings(&pressures_pa);
+        let settled = rows[..settling].last().map_or(0, |last| last + 1);
+        settled.max(shut_from(&times_s, &pressures_pa, noise_pa).map_or(0, |first| rows[first]))
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.
@@ -240,6 +256,7 @@ impl<'a> Columns<'a> {
             experiment,
             repeat,
             backward_rows,
+            before_test: None,
             lines: trace.lines.clone(),
             blocks: Vec::new(),
             whitener: Whitener::default(),
@@ -378,8 +395,11 @@ mod tests {
             filled.for_each(|(i, p)| *p *= 0.8 + 0.2 * i as f64 / flows as f64);
         }
         let (data, paper) = baseline::fitted(Data::prepare(&rig).unwrap()).unwrap();
-        let left_out: Vec<usize> = data.traces.iter().map(|t| t.readout.shut).collect();
-        assert!(left_out.iter().all(|rows| (flows..rest - 8).contains(rows)), "{left_out:?} of {flows} and {rest}");
+        let left_out: Vec<(usize, f64)> = data.traces.iter().map(|t| t.before_test.unwrap()).collect();
+        assert!(
+            left_out.iter().all(|(rows, _)| (flows..rest - 8).contains(rows)),
+            "{left_out:?} of {flows} and {rest}"
+        );
         let judged = adequacy::test(&data, &paper);
         assert!(judged.is_noise, "{judged:?}");
     }

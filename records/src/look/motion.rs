@@ -19,6 +19,9 @@ const LEAST_ANSWER: f64 = 0.15;
 const EARLY: f64 = 0.1;
 /// ... a closed chamber's pressure has changed by no more than this share of all that it changes.
 const MOST_EARLY: f64 = 0.6;
+/// Whether a response lasts is judged so long after the move at the latest, s: gas at the walls' temperature by then, and only little
+/// lost through a leak.
+const LASTING_S: f64 = 3.0;
 /// The pressure of a chamber that was opened is steady again if it changes by less than so many times its noise before a move.
 const STEADY: f64 = 10.0;
 
@@ -111,7 +114,10 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
             time_s[before.rows.end - 1] - LEAD_S.min((time_s[before.rows.end - 1] - time_s[before.rows.start]) / 2.0);
         let first = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
         let shut = closed_from([time_s, pressure_pa], readings, before.rows.clone());
-        let first = first.max(shut.unwrap_or(first));
+        // Where the port was opened in the rest, no row from before that is of this test.
+        let opened = closed_until([time_s, pressure_pa], readings, before.rows.clone());
+        let was_opened = opened < before.rows.end.saturating_sub(REST_ROWS);
+        let first = first.max(shut.unwrap_or(first)).max(if was_opened { opened } else { first });
         let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
         let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
         let [from_m, to_m] = [begin.clone(), end.clone()].map(|rows| mean(position_m, rows));
@@ -126,11 +132,12 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         let answered_early = (pressure_pa[early] / rest_pa).ln() / answer(end.clone());
         let last = closed_until([time_s, pressure_pa], readings, after.rows.clone());
         // What answers for a moment only is a narrow port, and so is what still empties or fills the chamber.
-        let settled = last.saturating_sub(REST_ROWS).max(after.rows.start)..last;
+        let judged_s = time_s[after.rows.start] + LASTING_S;
+        let judged = after.rows.start + time_s[after.rows.start..last].partition_point(|t| *t < judged_s);
+        let settled = judged.saturating_sub(REST_ROWS).max(after.rows.start)..judged;
         let is_steady = (pressure_pa[first] - rest_pa).abs() < STEADY * readings.deviation_pa();
-        let was_opened = || closed_until([time_s, pressure_pa], readings, before.rows.clone()) < first;
-        let is_open = || shut.is_none() && !is_steady && was_opened();
-        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || is_open() {
+        let is_open = was_opened && shut.is_none() && !is_steady;
+        if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || is_open {
             open += 1;
             continue;
         }
@@ -251,6 +258,25 @@ mod tests {
         assert_eq!((found.len(), open), (3, 3), "{found:?}");
         for (k, cycle) in found.iter().enumerate() {
             assert!((cycle.to_s - 10.0 * k as f64 - 4.99).abs() < 0.06, "{cycle:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_hold_of_a_leaky_chamber_is_a_test_and_a_return_shortly_after_the_port_is_opened_is_none() {
+        let normal = |k: usize| 50.0 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
+        for [leak_s, opened] in [[1.6, 6.5], [1e9, 6.7]] {
+            let [time, position, mut pressure] = record();
+            for (k, (t, p)) in time.iter().zip(&mut pressure).enumerate() {
+                let t = t % 10.0;
+                let kept = |t: f64| (-(t - 2.1).max(0.0) / leak_s).exp();
+                let above = if t > 6.5 { 1e5 * kept(t.min(opened)) } else { (*p - 1e5) * kept(t) };
+                let drawn = 1.0 - 0.4 * ((t - 7.0) / 0.1).clamp(0.0, 1.0);
+                *p = 1e5 + above * (-(t - opened).max(0.0) / 0.8).exp() * drawn + normal(k);
+            }
+            let readings = Readings::of(&time, &pressure);
+            let (found, open) = cycles([&time, &pressure, &position], &readings, &phases(&time, &position));
+            assert_eq!((found.len(), open), (3, 3), "{found:?}");
+            assert!(found.iter().all(|cycle| cycle.compresses), "{found:?}");
         }
     }
 }

@@ -18,8 +18,8 @@ pub struct UserInput {
     pub trace: String,
     /// Name of the experiment.
     pub name: String,
-    /// Windows of single tests; none for the whole record.
-    pub cycles: Vec<Cycle>,
+    /// Windows of single tests, where these are asked for; else the whole record is one.
+    pub cycles: Option<Vec<Cycle>>,
 }
 
 /// The text of a rig file. What cannot be known stands in it as a comment that begins with `FILL IN`.
@@ -59,15 +59,17 @@ fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result 
     for quantity in look.guess.missing() {
         writeln!(out, "# {} = {{ name = \"...\", unit = \"{}\" }}  # FILL IN", quantity.key(), quantity.si_unit())?;
     }
-    if stated.cycles.is_empty() {
+    let cycles = stated.cycles.as_deref().unwrap_or_default();
+    if cycles.is_empty() {
+        let none_found = if stated.cycles.is_some() { "  # CHECK: no push-and-hold test was found" } else { "" };
         return write!(
             out,
-            "\n[[experiment]]\nname = {}\ntraces = [{}]\n",
+            "\n[[experiment]]{none_found}\nname = {}\ntraces = [{}]\n",
             quoted(&stated.name),
             quoted(&stated.trace)
         );
     }
-    for (k, cycle) in stated.cycles.iter().enumerate() {
+    for (k, cycle) in cycles.iter().enumerate() {
         let name = format!("{}-{}", stated.name, k + 1);
         writeln!(out, "\n[[experiment]]  # {}", if cycle.compresses { "compresses" } else { "expands" })?;
         writeln!(out, "name = {}\ntraces = [{}]", quoted(&name), quoted(&stated.trace))?;

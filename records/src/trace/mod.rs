@@ -76,6 +76,19 @@ impl Trace {
         read::read(path, content, reading)
     }
 
+    /// Keeps the rows for which it says so, in every column.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let columns = [&mut self.pressure_pa, &mut self.ambient_temperature_k, &mut self.gas_temperature_k]
+            .into_iter()
+            .chain([&mut self.mass_flow_kg_per_s])
+            .flatten();
+        for column in columns.chain([&mut self.time_s, &mut self.position_m]) {
+            let mut kept = keep.iter();
+            column.retain(|_| *kept.next().unwrap_or(&true));
+        }
+        self.lines.retain(keep);
+    }
+
     /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.
     pub fn notes(&self) -> Vec<String> {
         let sorted = self.sorted.then(|| "the rows are not in the order of time and were sorted".to_owned());

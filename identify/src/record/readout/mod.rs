@@ -26,10 +26,9 @@ pub struct Readout {
     pub readings: Readings,
     /// Rows that are no data although they are readings, ascending.
     pub outliers: Vec<usize>,
-    /// How many rows at the beginning are no data since a filter shows there that began elsewhere.
+    /// How many rows at the beginning are no data since a filter shows there that began elsewhere, or the port was shut only then: see
+    /// [`shut_from`](records::shut_from).
     pub starting: usize,
-    /// How many rows at the beginning are no data since the port was shut only then: see [`shut_from`](records::shut_from).
-    pub shut: usize,
     /// Rows that are no data since nothing tells where the piston is.
     pub unfollowed: Vec<Range<usize>>,
     /// Rows that are no data since others beside them were lost while the piston moved.
@@ -57,7 +56,7 @@ impl Readout {
     /// Whether a filter settles, or the port is shut, only after a row.
     #[inline]
     pub fn is_early(&self, row: usize) -> bool {
-        row < self.starting.max(self.shut)
+        row < self.starting
     }
 
     /// Whether the sensor is at an end of its range at a row.
