@@ -178,7 +178,7 @@ mod tests {
             assert!((found.readout_hz.unwrap() - 10.0).abs() < 1e-6, "{found:?}");
             assert!(found.read_out(11..45).eq([20, 30, 40]), "{found:?}");
         }
-        let every_second = |k: usize| if k % 2 == 0 { fine[k] } else { 0.5 * (fine[k - 1] + fine[k + 1]) };
+        let every_second = |k: usize| if k.is_multiple_of(2) { fine[k] } else { 0.5 * (fine[k - 1] + fine[k + 1]) };
         let found = Readings::of(&times(2999), &(0..2999).map(every_second).collect::<Vec<f64>>());
         assert!((found.readout_hz.unwrap() - 50.0).abs() < 1e-6, "{found:?}");
         assert!((found.noise_pa / (60.0 / 3.0_f64.sqrt()) - 1.0).abs() < 0.3, "{found:?}");
