@@ -111,7 +111,7 @@ fn a_state_of_another_fmu_another_version_or_none_at_all_is_refused() {
         let mut older = host.serialized();
         older[8..12].copy_from_slice(&version.to_le_bytes());
         assert_eq!(host.deserialize(&older), 3, "version {version}");
-        assert!(host.message().contains("they are of another version of the format"));
+        assert!(host.message().contains("it is of another version of the format"));
     }
     let size = host.serialized().len();
     let (state, mut small) = (host.save(), vec![0; size]);
