@@ -309,7 +309,7 @@ impl<R: Real> Balances<R> {
             give = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
         }
         let mut work = at.pressure * volume_rate;
-        if !S::TIGHT {
+        if !S::TIGHT && !set.intersection(effects::STORING).is_empty() {
             let [_, for_pressure] = self.enthalpy(set, &at, &flows);
             let unstored = at.pressure_rate(heat_flow + for_pressure, work);
             let rate = if volumetric { unstored * give } else { unstored };
@@ -431,13 +431,12 @@ mod tests {
 
     #[test]
     fn heat_that_comes_out_of_the_wall_at_once_is_missing_there() {
-        let set = |name: &str| effects::find(name).map(|(e, _)| EffectSet::one(e)).unwrap();
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let (wall, zones) = (WallHeating::PLACE, GasZones::PLACE);
         chamber.effects.of_mut(wall).copy_from_slice(&[2.0, 0.0]);
         chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.1]);
-        let set = set("wall_heating").union(set("gas_zones"));
+        let set = WallHeating::SET.union(GasZones::SET);
         let at = Boundary {
             position: 0.05,
             velocity: 0.0,
@@ -494,7 +493,7 @@ mod tests {
     #[test]
     fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_the_chamber_breathes() {
         let zones = GasZones::PLACE;
-        for set in [EffectSet::one(zones), EffectSet::one(zones).union(effects::CALORIC)] {
+        for set in [GasZones::SET, GasZones::SET.union(effects::CALORIC)] {
             let (chamber, boundary, mut state) = breathing(set);
             let place = OWN + effects::STATE_OFFSETS[zones];
             state[place] = 330.0;

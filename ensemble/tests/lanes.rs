@@ -42,7 +42,7 @@ proptest! {
 fn a_leak_into_surroundings_without_pressure_chokes_in_lanes_as_in_plain_numbers() {
     let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
     let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    chamber.effects.of_mut(effects::find("leakage").unwrap().0)[0] = 3e-9;
+    chamber.effects.of_mut(effects::Leakage::PLACE)[0] = 3e-9;
     let vacuum = Boundary { ambient_pressure: 0.0, ..Boundary::closed(0.1, 293.0, 1e5) };
     let state = balance::state_at(&chamber, &vacuum, 2e5, 293.0);
     let plain = balance::rates(chamber.active(), &chamber, &vacuum, &state);

@@ -394,7 +394,6 @@ mod tests {
     use super::*;
     use crate::record::stroke::{Motion, Spline};
     use chamber::dual::Dual;
-    use chamber::effects::SensorLag;
     use chamber::{AreaLaw, Gas, Geometry, HeatTransfer};
 
     fn chamber() -> Chamber {

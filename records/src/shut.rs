@@ -24,7 +24,7 @@ pub fn shut_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<u
     }
     let width = FEWEST.max((BESIDE_S / interval(time_s).max(f64::MIN_POSITIVE)) as usize);
     // A single spike is no change.
-    let level = |row: usize| median(pressure_pa[row - 1..=row + 1].to_vec());
+    let level = |row: usize| median([row - 1, row, row + 1].map(|row| pressure_pa[row]));
     let is_kink = |row: &usize| {
         let [before, at, after] = [row - width, *row, row + width].map(level);
         let change = (at - before).abs();

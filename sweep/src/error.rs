@@ -42,7 +42,7 @@ pub enum Error {
     /// A file of the folder that says which study it is.
     #[error("{}: the file is damaged; remove it and run the sweep again: parts that are whole are kept", file.display())]
     Damaged {
-        /// The file.
+        /// Its path: the manifest, or the record of the study.
         file: PathBuf,
     },
     /// The folder is another study's.

@@ -113,11 +113,14 @@ pub trait Effect {
     /// indicators of a host that integrates itself. `out` has [`Effect::KINKS`] places.
     fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
 
+    /// Whether gas moves because the pressure changes: then the next hook says how much.
+    const STORES: bool = false;
+
     /// Gas that leaves (positive) because of the pressure's [`Course`]: returns the flow in kg/s and the temperature it has, K. See
     /// [`tube_volume`](super::tube_volume).
     #[inline(always)]
-    fn storage<R: Real>(_p: &[R], _at: &Conditions<R>, _course: &Course<R>) -> Option<(R, R)> {
-        None
+    fn storage<R: Real>(_p: &[R], at: &Conditions<R>, _course: &Course<R>) -> (R, R) {
+        (R::ZERO, at.temperature)
     }
 
     /// Whether its own states are the modes of [`wall_conduction::KERNEL`](super::wall_conduction::KERNEL), fed by the heat

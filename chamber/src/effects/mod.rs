@@ -37,7 +37,7 @@ macro_rules! effects {
             pub const SET: EffectSet = EffectSet::one(Self::PLACE);
         })*
 
-        $(impl Place for $module::$name { const INDEX: usize = Self::PLACE; })*
+        $(impl Place for $module::$name { const PLACE: usize = Self::PLACE; })*
 
         /// Own states of all effects in a chamber at rest in equilibrium.
         #[inline(always)]
@@ -228,15 +228,17 @@ macro_rules! effects {
             out
         }
 
+        /// Effects with [`Effect::STORES`].
+        pub const STORING: EffectSet = EffectSet::of([$($module::$name::STORES),*]);
+
         /// Adds [`Effect::storage`] of the effects in `set` to the flows.
         #[inline(always)]
         pub fn storage<R: Real>(
             set: EffectSet, values: &EffectValues<R>, at: &Conditions<R>, course: &Course<R>, flows: &mut Flows<R>,
         ) {
-            $(if set.has($module::$name::PLACE) {
-                if let Some((flow, temperature)) = $module::$name::storage($module::$name::values(values), at, course) {
-                    flows.leave(flow, temperature);
-                }
+            $(if $module::$name::STORES && set.has($module::$name::PLACE) {
+                let (flow, temperature) = $module::$name::storage($module::$name::values(values), at, course);
+                flows.leave(flow, temperature);
             })*
         }
 
@@ -397,25 +399,25 @@ const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
 
 /// An effect's place in the list, and with it in the arrays of parameters and own states.
 trait Place {
-    const INDEX: usize;
+    const PLACE: usize;
 
     #[inline(always)]
     fn values<R>(values: &EffectValues<R>) -> &[R] {
-        &values.0[PARAMETER_OFFSETS[Self::INDEX]..PARAMETER_OFFSETS[Self::INDEX + 1]]
+        &values.0[PARAMETER_OFFSETS[Self::PLACE]..PARAMETER_OFFSETS[Self::PLACE + 1]]
     }
     /// Its own states among the first `M` of all effects: empty where it has none.
     #[inline(always)]
     fn own<R, const M: usize>(own: &[R; M]) -> &[R] {
-        own.get(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
+        own.get(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
     }
     #[inline(always)]
     fn own_mut<R, const M: usize>(own: &mut [R; M]) -> &mut [R] {
-        own.get_mut(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
+        own.get_mut(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
     }
     /// Whether all its own states are among the first `count` of all effects.
     #[inline(always)]
     fn lies_within(count: usize) -> bool {
-        let (begin, end) = (STATE_OFFSETS[Self::INDEX], STATE_OFFSETS[Self::INDEX + 1]);
+        let (begin, end) = (STATE_OFFSETS[Self::PLACE], STATE_OFFSETS[Self::PLACE + 1]);
         begin == end || end <= count
     }
 }

@@ -41,13 +41,15 @@ impl Effect for TubeVolume {
         out[0] = rates.pressure / at.pressure;
     }
 
+    const STORES: bool = true;
+
     #[inline(always)]
-    fn storage<R: Real>(p: &[R], at: &Conditions<R>, course: &Course<R>) -> Option<(R, R)> {
+    fn storage<R: Real>(p: &[R], at: &Conditions<R>, course: &Course<R>) -> (R, R) {
         let volume = p[0];
         let temperature = course.rate.where_positive(at.temperature, at.ambient_temperature);
         let as_warm = temperature + course.rate.where_positive(R::ZERO, course.excess);
         let share = course.give * at.heat_capacity_ratio * volume * as_warm / (at.volume * at.ambient_temperature);
         let flow = volume / (at.gas_constant * at.ambient_temperature) * course.rate / (share + 1.0);
-        Some((flow, temperature))
+        (flow, temperature)
     }
 }

@@ -120,6 +120,7 @@ pub fn met(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chamber::effects::Leakage;
 
     #[test]
     fn what_is_foreseen_of_a_piston_at_rest_does_not_depend_on_those_beside() {
@@ -147,7 +148,7 @@ mod tests {
             }
         }
         // A leak to 1 bar chokes at b = 0.3.
-        let set: EffectSet = effects::find("leakage").into_iter().map(|(effect, _)| effect).collect();
+        let set = Leakage::SET;
         let values = EffectValues::NEUTRAL.lift::<Lanes>();
         let corners = OfEffects { set, values: &values, ambient_pressure: Lanes::from(1e5) };
         let share = met(&corners, Lanes::from(0.4), [at(0.1), at(0.5)], widening(0.1))[3];

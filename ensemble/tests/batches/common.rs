@@ -91,7 +91,7 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
 pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
     let kept: EffectSet =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
-    let (column, _) = effects::find("gas_column_length").unwrap();
+    let column = effects::GasColumnLength::PLACE;
     let mut rows = sealed(count);
     let mut r = Numbers(31);
     for (row, s) in rows.iter_mut().enumerate() {
@@ -265,7 +265,7 @@ fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
 /// Tight rows in front of a wall that warms, of any capacity and cooling that make a difference, from gases much colder or
 /// warmer than the wall: a third of the holds turn round.
 pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let wall = effects::find("wall_heating").unwrap().0;
+    let wall = effects::WallHeating::PLACE;
     let mut r = Numbers(91);
     let mut rows = sealed(count);
     for (k, s) in rows.iter_mut().enumerate() {
@@ -284,7 +284,7 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
 /// Tight rows whose piston stirs the gas, little or much, for a time that is short or long beside the push and the hold, from gases
 /// much colder or warmer than the wall, pushed or not.
 pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let turbulence = effects::find("decaying_turbulence").unwrap().0;
+    let turbulence = effects::DecayingTurbulence::PLACE;
     let mut r = Numbers(53);
     let mut rows = sealed(count);
     for (k, s) in rows.iter_mut().enumerate() {
@@ -300,7 +300,7 @@ pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
 /// Tight rows whose missing term is a heat flow over the pressure: of up to eight knots across the pressures of the test, as strong
 /// as the heat that the wall takes or far weaker, from gases much colder or warmer than the wall, pushed or not.
 pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let curve = effects::find("empirical").unwrap().0;
+    let curve = effects::Empirical::PLACE;
     let mut r = Numbers(37);
     let mut rows = sealed(count);
     for (k, s) in rows.iter_mut().enumerate() {

@@ -14,7 +14,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
     let (flowing, heated, stirred) = (flowing(700), heated(300), stirred(300));
     let convective = convective(300);
     let (kept, curved) = (kept(300), with_a_curve_of_the_reading(100));
-    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let lag = effects::SensorLag::PLACE;
     let (mut r, mut lagging) = (Numbers(5), kept.1.clone());
     for s in &mut lagging {
         s.chamber.effects.of_mut(lag)[0] = r.log_between(1e-4, 0.3);

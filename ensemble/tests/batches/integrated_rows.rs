@@ -52,7 +52,7 @@ fn equations_of_their_own_agree_with_the_plain_integrator_whichever_way_the_hold
 
 #[test]
 fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
-    let leak = effects::find("leakage").unwrap().0;
+    let leak = effects::Leakage::PLACE;
     let mut r = Numbers(11);
     let mut scenarios = sealed(400);
     for (i, s) in scenarios.iter_mut().enumerate() {
@@ -102,7 +102,7 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
 
 #[test]
 fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
-    let curve = effects::find("empirical").unwrap().0;
+    let curve = effects::Empirical::PLACE;
     let typical = effects::CARDS[curve].parameters.iter().map(|parameter| parameter.typical);
     let mut r = Numbers(24);
     let mut rows = sealed(64);
@@ -149,7 +149,7 @@ fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
 
 /// The test of section 3.1 with a leak, of several durations.
 fn leaking(conductance: f64) -> (EffectSet, Vec<Scenario>) {
-    let leak = effects::find("leakage").unwrap().0;
+    let leak = effects::Leakage::PLACE;
     let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
     let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
     chamber.effects.of_mut(leak)[0] = conductance;

@@ -74,7 +74,7 @@ fn a_pressure_that_rises_to_the_end_has_not_settled_and_one_that_stands_has() {
         s.initial_position_m = s.final_position_m;
     }
     rows[0].mass_flow_in_kg_per_s = 1e-6;
-    let set = EffectSet::one(effects::find("leakage").unwrap().0);
+    let set = effects::Leakage::SET;
     let out = results(set, &rows, &Options { solver: Solver::Adaptive, fit: false, ..Options::default() });
     assert_eq!(out[0].pressure_peak_pa, out[0].pressure_final_pa);
     assert_eq!(out.iter().map(|o| o.settling_time_s).collect::<Vec<_>>(), [None, Some(0.0)]);

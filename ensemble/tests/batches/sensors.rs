@@ -9,7 +9,7 @@ use ensemble::{Hold, InstructionSet, Options, Scenario, Solver};
 
 #[test]
 fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
-    let (lag, _) = effects::find("sensor_lag").unwrap();
+    let lag = effects::SensorLag::PLACE;
     let mut scenarios = sealed(8);
     for s in &mut scenarios {
         s.chamber.effects.of_mut(lag)[0] = 0.01;

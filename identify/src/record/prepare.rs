@@ -78,13 +78,13 @@ impl Data {
         let quiet: Vec<Quiet<'_>> = columns.iter().map(Columns::quiet).collect();
         let mut noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);
         drop(quiet);
+        let deviation_pa = noise.white_pa.hypot(noise.rounding_pa());
         for c in &mut columns {
-            let deviation_pa = noise.white_pa.hypot(noise.rounding_pa());
             c.readout.starting = c.starting(deviation_pa);
             c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(deviation_pa);
         }
-        let leaves_out = |r: &Readout| r.is_early(0) || !r.outliers.is_empty() || r.opened.is_some();
+        let leaves_out = |r: &Readout| r.starting > 0 || !r.outliers.is_empty() || r.opened.is_some();
         if columns.iter().any(|c| leaves_out(&c.readout)) {
             let quiet: Vec<Quiet<'_>> = columns.iter().map(Columns::quiet).collect();
             noise = Noise::from_quiet_parts(&quiet, rig.sensor.noise_pa, rig.sensor.step_pa);

@@ -105,19 +105,24 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
     let [time_s, pressure_pa, position_m] = record;
     let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let (mut cycles, mut open) = (Vec::new(), 0);
-    for triple in phases.windows(3) {
-        let [before, push, after] = triple else { continue };
+    // Of moves nothing is asked.
+    let closed_until = |phase: &Phase| match phase.moving {
+        true => phase.rows.end,
+        false => closed_until([time_s, pressure_pa], readings, phase.rows.clone()),
+    };
+    let until: Vec<usize> = phases.iter().map(closed_until).collect();
+    for (triple, until) in phases.windows(3).zip(until.windows(3)) {
+        let ([before, push, after], &[opened, _, last]) = (triple, until) else { continue };
         if before.moving || !push.moving || after.rows.len() < REST_ROWS {
             continue;
         }
         let lead =
             time_s[before.rows.end - 1] - LEAD_S.min((time_s[before.rows.end - 1] - time_s[before.rows.start]) / 2.0);
-        let first = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
+        let in_lead = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
+        // Where the port was opened or shut in the rest, no row from before that is of this test.
         let shut = closed_from([time_s, pressure_pa], readings, before.rows.clone());
-        // Where the port was opened in the rest, no row from before that is of this test.
-        let opened = closed_until([time_s, pressure_pa], readings, before.rows.clone());
-        let was_opened = opened < before.rows.end.saturating_sub(REST_ROWS);
-        let first = first.max(shut.unwrap_or(first)).max(if was_opened { opened } else { first });
+        let opened = Some(opened).filter(|row| *row < before.rows.end.saturating_sub(REST_ROWS));
+        let first = shut.into_iter().chain(opened).fold(in_lead, usize::max);
         let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
         let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
         let [from_m, to_m] = [begin.clone(), end.clone()].map(|rows| mean(position_m, rows));
@@ -130,13 +135,12 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         let on_its_way = |row: &usize| (position_m[*row] - from_m).abs() > EARLY * (to_m - from_m).abs();
         let early = push.rows.clone().find(on_its_way).map_or(push.rows.start, |row| (row - 1).max(begin.start));
         let answered_early = (pressure_pa[early] / rest_pa).ln() / answer(end.clone());
-        let last = closed_until([time_s, pressure_pa], readings, after.rows.clone());
         // What answers for a moment only is a narrow port, and so is what still empties or fills the chamber.
         let judged_s = time_s[after.rows.start] + LASTING_S;
         let judged = after.rows.start + time_s[after.rows.start..last].partition_point(|t| *t < judged_s);
         let settled = judged.saturating_sub(REST_ROWS).max(after.rows.start)..judged;
         let is_steady = (pressure_pa[first] - rest_pa).abs() < STEADY * readings.deviation_pa();
-        let is_open = was_opened && shut.is_none() && !is_steady;
+        let is_open = opened.is_some() && shut.is_none() && !is_steady;
         if !is_answered(end) || !is_answered(settled) || answered_early > MOST_EARLY || is_open {
             open += 1;
             continue;

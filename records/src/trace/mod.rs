@@ -9,6 +9,7 @@ pub(crate) mod excel;
 mod fields;
 mod header;
 mod header_line;
+mod keep;
 mod left_out;
 mod line_numbers;
 mod lines;
@@ -33,6 +34,7 @@ pub(crate) use rest::movement_threshold;
 pub use sample::{Sample, near_column, sample};
 
 use crate::error::Error;
+use keep::keep_rows;
 use std::path::{Path, PathBuf};
 
 /// A record as it was measured (or a motion as it is planned). All vectors have the same length.
@@ -78,14 +80,9 @@ impl Trace {
 
     /// Keeps the rows for which it says so, in every column.
     pub fn retain(&mut self, keep: &[bool]) {
-        let columns = [&mut self.pressure_pa, &mut self.ambient_temperature_k, &mut self.gas_temperature_k]
-            .into_iter()
-            .chain([&mut self.mass_flow_kg_per_s])
-            .flatten();
-        for column in columns.chain([&mut self.time_s, &mut self.position_m]) {
-            let mut kept = keep.iter();
-            column.retain(|_| *kept.next().unwrap_or(&true));
-        }
+        let Self { pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s, .. } = self;
+        let columns = [pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s].into_iter().flatten();
+        columns.chain([&mut self.time_s, &mut self.position_m]).for_each(|column| keep_rows(column, keep));
         self.lines.retain(keep);
     }
 

@@ -4,6 +4,7 @@ use super::clock::Clock;
 use super::dialect::Dialect;
 use super::fields::{self, number};
 use super::header::Header;
+use super::keep::keep_rows;
 use super::left_out::{BadRows, LeftOut, ONE_IN};
 use super::line_numbers::LineNumbers;
 use super::order::{self, Order};
@@ -205,10 +206,7 @@ impl<'a> Rows<'a> {
             keep[row] = false;
             self.bad.push(self.line(row), problem);
         }
-        for column in &mut self.columns {
-            let mut kept = keep.iter();
-            column.retain(|_| *kept.next().unwrap_or(&true));
-        }
+        self.columns.iter_mut().for_each(|column| keep_rows(column, &keep));
         self.lines.retain(&keep);
     }
 }

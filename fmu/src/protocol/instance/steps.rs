@@ -135,15 +135,14 @@ fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; CORNERS]) 
 mod tests {
     use super::*;
     use crate::plant::values::{BASE, Starts, StrokeInput, parameter};
-    use chamber::effects;
+    use chamber::effects::{self, NaturalConvection};
 
     #[test]
     fn a_corner_at_which_the_chamber_rests_is_left_without_an_event() {
         let mut starts = Starts::default();
         starts.parameters.choices.stroke_input = StrokeInput::Velocity;
         // Free convection: its coefficient has a corner at T = Tw, where a chamber at rest is.
-        let (effect, _) = effects::all().find(|(_, card)| card.name == "natural_convection").unwrap();
-        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[effect]] = 0.25;
+        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::PLACE]] = 0.25;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
