@@ -13,7 +13,7 @@ use crate::record::gaps;
 use crate::record::true_stroke::{Moment, TrueStroke};
 use chamber::Chamber;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, FEW_STATES, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, SensorLag, sensor_lag};
+use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES, SensorLag, WallHeating, sensor_lag};
 use chamber::integrate::{IntegrationError, Integrator, Step};
 use chamber::real::{Real, Scalar};
 use chamber::record::{self, Inputs, Mesh, Readings};
@@ -25,6 +25,8 @@ use std::cell::Cell;
 pub struct Correction<R> {
     /// How much warmer the surroundings are, K.
     pub warmer: R,
+    /// How much warmer than they a wall that warms begins, K.
+    pub wall_warmer: R,
     /// Positions, and speeds, over the recorded ones.
     pub position_times: R,
     /// How far positions lie off that straight line, if at all.
@@ -35,8 +37,13 @@ pub struct Correction<R> {
 
 impl<R: Real> Correction<R> {
     /// All is as recorded.
-    pub const NONE: Self =
-        Self { warmer: R::ZERO, position_times: R::ONE, characteristic: None, behind_gaps: [R::ONE; gaps::MOST] };
+    pub const NONE: Self = Self {
+        warmer: R::ZERO,
+        wall_warmer: R::ZERO,
+        position_times: R::ONE,
+        characteristic: None,
+        behind_gaps: [R::ONE; gaps::MOST],
+    };
 }
 
 /// Rows of a recorded mass flow that a step may cover: it changes from row to row.
@@ -275,6 +282,9 @@ impl<R: Scalar> Run<'_, R> {
         let isentrope = &Isentrope::through(balance, &at_begin);
         let initial = balance.state_at(EffectSet::ALL, &at_begin, start.pressure, start.temperature);
         let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
+        if let Some(wall_temperature) = initial.get_mut(OWN + effects::STATE_OFFSETS[WallHeating::PLACE]) {
+            *wall_temperature += correction.wall_warmer;
+        }
         on_step(begin, initial[MASS]);
         let mut sensor = Sensor::new(balance, isentrope, set, inputs, times, start.pressure);
         let evaluations = Cell::new(0usize);

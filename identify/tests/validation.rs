@@ -3,6 +3,7 @@
 use chamber::effects::{EffectSet, find};
 use identify::Predictor;
 use identify::synthetic::Recipe;
+use records::OfEachRecord;
 
 #[test]
 fn the_true_model_predicts_other_records_to_their_noise() {
@@ -65,12 +66,29 @@ fn a_drift_that_each_record_had_for_itself_is_fitted_anew_with_the_whole_record(
     }
     let drift = find("sensor_drift").unwrap().0;
     let steady = Predictor::of(recipe.chamber);
-    let drifting = Predictor { of_each_record: EffectSet::one(drift), ..steady };
+    let of_each_record = OfEachRecord { effects: EffectSet::one(drift), ..OfEachRecord::default() };
+    let drifting = Predictor { of_each_record, ..steady };
     let error_pa = |model, whole| identify::validate(model, &rig, whole).unwrap().validation.rmse_pa;
     let noise_pa = recipe.noise_rms_pa();
     assert!(error_pa(&steady, true) > 3.0 * noise_pa);
     assert!(error_pa(&drifting, true) < 1.2 * noise_pa);
     assert_eq!(error_pa(&drifting, false), error_pa(&steady, false), "a drift cannot be read off a record's start");
+}
+
+#[test]
+fn what_tests_shortly_before_have_left_of_warmth_is_fitted_anew_where_the_models_records_had_their_own() {
+    let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(23) }.with("wall_heating", &[8.0, 0.1]);
+    (recipe.bench.start_warmer_k, recipe.bench.start_wall_warmer_k) = (8.0, 6.0);
+    let rig = recipe.rig();
+    let cold = Predictor::of(recipe.chamber);
+    let of_each_record = OfEachRecord { initial_temperature: true, ..OfEachRecord::default() };
+    let warm = Predictor { of_each_record, ..cold };
+    let error_pa = |model, whole| identify::validate(model, &rig, whole).unwrap().validation.rmse_pa;
+    let noise_pa = recipe.noise_rms_pa();
+    for whole_record in [true, false] {
+        let [cold, warm] = [&cold, &warm].map(|model| error_pa(model, whole_record));
+        assert!(warm < 2.0 * noise_pa && cold > 3.0 * warm, "{cold} {warm} Pa, noise {noise_pa} Pa");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::toml_text::quoted;
 use crate::trace::Trace;
 use chamber::card::Scope;
-use chamber::effects::{self, CARDS, EffectSet};
+use chamber::effects::{self, EffectSet};
 use chrono::{DateTime, Utc};
 use std::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -29,8 +29,35 @@ pub struct Provenance {
     pub rmse_before_pa: Option<Rmse>,
     /// Error of this model.
     pub rmse_after_pa: Option<Rmse>,
-    /// Effects of the recording that each trace had for itself, by another value: the model has none of them.
-    pub of_each_record: EffectSet,
+    /// What each trace had for itself, by another value: the model has none of it.
+    pub of_each_record: OfEachRecord,
+}
+
+/// Numbers that each record has for itself, beside its initial pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct OfEachRecord {
+    /// Effects of the recording.
+    pub effects: EffectSet,
+    /// Whether gas, and a wall that warms, begin at temperatures of their own: the chamber was filled or moved shortly before.
+    pub initial_temperature: bool,
+}
+
+impl OfEachRecord {
+    /// Name of the initial temperature in the list, in which all others are effects.
+    const INITIAL_TEMPERATURE: &str = "initial_temperature";
+
+    fn read(table: &Table<'_>) -> Result<Self, Error> {
+        let of_recording = effects::all().filter(|(_, card)| card.scope == Scope::Record);
+        let effects = of_recording.map(|(e, card)| (card.name, Some(e)));
+        let names: Vec<(&str, Option<usize>)> = effects.chain([(Self::INITIAL_TEMPERATURE, None)]).collect();
+        let named = table.field(OF_EACH_RECORD).map(|field| field.choices(&names)).transpose()?.unwrap_or_default();
+        Ok(Self { effects: named.iter().copied().flatten().collect(), initial_temperature: named.contains(&None) })
+    }
+
+    fn names(self) -> impl Iterator<Item = &'static str> {
+        let start = self.initial_temperature.then_some(Self::INITIAL_TEMPERATURE);
+        effects::all().filter(move |(e, _)| self.effects.has(*e)).map(|(_, card)| card.name).chain(start)
+    }
 }
 
 /// What a diagnosis says of the model that it writes.
@@ -119,7 +146,7 @@ impl Provenance {
             verdict: table.choice("verdict", &Verdict::ALL)?,
             rmse_before_pa: Rmse::read(&table, "rmse_before_pa")?,
             rmse_after_pa: Rmse::read(&table, "rmse_after_pa")?,
-            of_each_record: of_each_record(&table)?,
+            of_each_record: OfEachRecord::read(&table)?,
         })
     }
 
@@ -139,8 +166,8 @@ impl Provenance {
                 writeln!(out, "{key} = {{ fit = {fit:?}{held_out} }}")?;
             }
         }
-        if self.of_each_record != EffectSet::NONE {
-            let names: Vec<String> = self.of_each_record.iter().map(|e| quoted(CARDS[e].name)).collect();
+        let names: Vec<String> = self.of_each_record.names().map(quoted).collect();
+        if !names.is_empty() {
             writeln!(out, "{OF_EACH_RECORD} = [{}]", names.join(", "))?;
         }
         if !self.traces.is_empty() {
@@ -169,14 +196,6 @@ impl Rmse {
         let fit = table.required_number("fit", &Bounds::NotNegative)?;
         Ok(Some(Self { fit, held_out: table.number("held_out", &Bounds::NotNegative)? }))
     }
-}
-
-/// The effects of that list, which are effects of the recording.
-fn of_each_record(table: &Table<'_>) -> Result<EffectSet, Error> {
-    let of_recording = effects::all().filter(|(_, card)| card.scope == Scope::Record);
-    let names: Vec<(&str, usize)> = of_recording.map(|(e, card)| (card.name, e)).collect();
-    let named = table.field(OF_EACH_RECORD).map(|field| field.choices(&names)).transpose()?;
-    Ok(named.unwrap_or_default().into_iter().collect())
 }
 
 /// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.

@@ -5,7 +5,7 @@ use chamber::effects::empirical::{Curve, KNOTS, Term, Variable};
 use chamber::effects::{self, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
-use records::{Document, Model, Provenance, RigFile, Rmse, SourceTrace, Uncertainty, Verdict};
+use records::{Document, Model, OfEachRecord, Provenance, RigFile, Rmse, SourceTrace, Uncertainty, Verdict};
 use std::path::Path;
 
 const FEW: &str = "[chamber]\nbore_m = 0.02\n[heat_transfer]\ncoefficient_w_per_m2_k = 26.5\n";
@@ -129,7 +129,10 @@ fn a_file_written_and_read_is_the_same_model_with_its_provenance() {
         verdict: Some(Verdict::Improved),
         rmse_before_pa: Some(Rmse { fit: 151.25, held_out: None }),
         rmse_after_pa: Some(Rmse { fit: 0.1 + 0.2, held_out: Some(1e-300) }),
-        of_each_record: ["record_delay", "sensor_drift"].iter().map(|name| effects::find(name).unwrap().0).collect(),
+        of_each_record: OfEachRecord {
+            effects: ["record_delay", "sensor_drift"].iter().map(|name| effects::find(name).unwrap().0).collect(),
+            initial_temperature: true,
+        },
     };
     model.write(&path).unwrap();
     assert_eq!(Model::read(&path).unwrap(), model);

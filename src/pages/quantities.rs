@@ -63,6 +63,7 @@ fn name(path: &str) -> String {
         "mass_kg" => "mass of the gas".to_owned(),
         "initial_pressure_pa" => "initial pressure".to_owned(),
         "initial_temperature_k" => "initial temperature of the gas".to_owned(),
+        "initial_wall_temperature_k" => "initial temperature of the wall".to_owned(),
         "ambient_temperature_k" => "ambient temperature".to_owned(),
         "heat_capacity_ratio" => "heat capacity ratio of the gas".to_owned(),
         "rest_temperature_k" => "temperature of the gas at rest".to_owned(),

@@ -7,15 +7,21 @@
 
 use crate::fit::Fit;
 use crate::fit::covariance;
+use crate::parameters::{Axis, Own};
 use crate::policy;
 use crate::record::data::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Whether some effect that the records have for themselves follows the kind of test, beyond what their noise allows. The stated numbers
-/// are where the records ask for them: what these are off by makes all records of a kind differ alike.
+/// Whether some effect that the records have for themselves, or the temperature that the wall begins with, follows the kind of test, beyond
+/// what their noise allows. The stated numbers are where the records ask for them: what these are off by makes all records of a kind
+/// differ alike.
 pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
-    let effects = fit.hypothesis.own.len();
-    if effects == 0 {
+    let is_asked = |axis: &Axis<Own>| matches!(axis.slot, Own::Effect(..) | Own::WallTemperature);
+    let asked: Vec<Own> = match data.traces.first() {
+        Some(t) => fit.hypothesis.own_of(t).iter().filter(|axis| is_asked(axis)).map(|axis| axis.slot).collect(),
+        None => return false,
+    };
+    if asked.is_empty() {
         return false;
     }
     let rig = covariance::by_records(fit, false);
@@ -23,14 +29,14 @@ pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
     let deviations: Vec<Option<Vec<f64>>> = (0..data.traces.len())
         .map(|k| Some(covariance::of_record(fit, k, &rig)?.diagonal().iter().map(|v| v.sqrt()).collect()))
         .collect();
-    // A record's effects stand behind its initial state.
-    (1..=effects).any(|from_end| {
-        let last = |x: &[f64]| x[x.len() - from_end];
+    let axes: Vec<Vec<Axis<Own>>> = data.traces.iter().map(|t| fit.hypothesis.own_of(t)).collect();
+    asked.into_iter().any(|slot| {
         let mut kinds: Vec<Vec<f64>> = vec![Vec::new(); data.experiments.len()];
         let mut uncertainty = 0f64;
-        for ((t, own), deviation) in data.traces.iter().zip(&numbers).zip(&deviations) {
-            kinds[t.experiment].push(last(own));
-            uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| last(d)));
+        for (((t, axes), own), deviation) in data.traces.iter().zip(&axes).zip(&numbers).zip(&deviations) {
+            let Some(place) = axes.iter().position(|axis| axis.slot == slot) else { continue };
+            kinds[t.experiment].push(own[place]);
+            uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| d[place]));
         }
         let span = span_of_means(&kinds);
         span > policy::KINDS_DEVIATIONS * uncertainty
@@ -70,7 +76,7 @@ fn one_way(kinds: &[Vec<f64>]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Model, Sizes};
+    use crate::parameters::{Model, OwnStart, Sizes};
     use crate::search::{baseline, starts};
     use crate::synthetic::{Outside, Recipe};
     use chamber::effects::SensorDrift;
@@ -79,7 +85,7 @@ mod tests {
     fn drifts_follow(recipe: &Recipe) -> bool {
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let drift = SensorDrift::SET;
-        let model = Model { own: drift, initial_temperature: true, ..Model::with(drift) };
+        let model = Model { own: drift, own_start: OwnStart::Gas, ..Model::with(drift) };
         let fit = starts::fit_model(&data, model, &paper, &Sizes::of(&data, &paper.chamber())).unwrap();
         follows_the_test(&data, &fit)
     }

@@ -15,11 +15,12 @@ use crate::outcome::recording::{self, NoiseFound, RecordFound};
 use crate::outcome::remainder;
 use crate::outcome::rigs;
 use crate::outcome::unnamed::{Unnamed, unnamed};
-use crate::parameters::{Model, names};
+use crate::parameters::{Model, OwnStart, names};
 use crate::record::data::Data;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
 use chamber::effects::{self, CARDS, EffectSet};
+use records::OfEachRecord;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -204,9 +205,10 @@ impl Diagnosed {
         self.found.reported().fit.chamber_of_rig()
     }
 
-    /// Effects of the recording that each record has for itself: that chamber has none of them.
-    pub fn of_each_record(&self) -> EffectSet {
-        self.found.reported().model.own
+    /// What each record has for itself: that chamber has none of it.
+    pub fn of_each_record(&self) -> OfEachRecord {
+        let Model { own, own_start, .. } = self.found.reported().model;
+        OfEachRecord { effects: own, initial_temperature: own_start > OwnStart::Nothing }
     }
 
     /// How well that chamber's numbers are known.

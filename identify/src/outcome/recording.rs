@@ -6,7 +6,7 @@ use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
-use crate::parameters::Own;
+use crate::parameters::{Model, Own, OwnStart};
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
@@ -343,7 +343,9 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     out.extend(common_start(data, fit));
     out.extend(positions_too_far(&found.reported().fit, found.adequacy().is_adequate()));
     if found.follows_the_test {
-        let names: Vec<&str> = found.chosen.model.own.iter().map(|e: usize| CARDS[e].name).collect();
+        let Model { own, own_start, .. } = found.chosen.model;
+        let wall = (own_start == OwnStart::GasAndWall).then_some("initial_wall_temperature");
+        let names: Vec<&str> = own.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
         out.push(format!(
             "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",
             listed(&names)

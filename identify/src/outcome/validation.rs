@@ -1,7 +1,7 @@
 //! `validate`: a model against records that took no part in finding it.
 //!
 //! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
-//! motion, and the parameters of recording effects. They are fitted to the record's start, its rest and its first move, and
+//! motion or where the model's records had their own, and the parameters of recording effects. They are fitted to the record's start, its rest and its first move, and
 //! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
 
 use super::at_bound::OwnFit;
@@ -18,14 +18,19 @@ use crate::record::outliers;
 use crate::record::stroke::Phase;
 use crate::search::terms;
 use chamber::Chamber;
-use chamber::effects::EffectSet;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use records::Rig;
+use records::{OfEachRecord, Rig};
+use report::digits;
 use serde::Serialize;
 
 /// How often readings are looked at for those far off: what a fit with them leaves can hide others.
 const ROUNDS: usize = 3;
+
+/// An error so many times that which is known of the model, or the noise, asks for a reason...
+const UNUSUAL: f64 = 2.0;
+/// ...which is the warmth that the records begin with if that leaves less than this share of it.
+const BY_WARMTH: f64 = 0.5;
 
 /// One record against the model.
 #[derive(Clone, Debug, Serialize)]
@@ -77,14 +82,14 @@ pub struct Predictor {
     pub chamber: Chamber,
     /// The error that it has on data like these, Pa rms, with noise; zero where that is not known.
     pub error_pa: f64,
-    /// Effects of the recording that each of the records had for itself that the model was identified from.
-    pub of_each_record: EffectSet,
+    /// What each of the records had for itself that the model was identified from.
+    pub of_each_record: OfEachRecord,
 }
 
 impl Predictor {
     /// A chamber of which nothing else is known.
     pub fn of(chamber: Chamber) -> Self {
-        Self { chamber, error_pa: 0.0, of_each_record: EffectSet::NONE }
+        Self { chamber, error_pa: 0.0, of_each_record: OfEachRecord::default() }
     }
 }
 
@@ -107,15 +112,18 @@ pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Vali
         data = data.without(&found);
         compared = Compared::of(&data, model, whole_record)?;
     }
+    let (squares, count) = compared.squares(&data);
+    if count == 0 {
+        return Err(Error::NothingToCompare { rig: rig.path.clone() });
+    }
+    let rmse_pa = (squares / count as f64).sqrt();
+    let warm_start = warm_start(&data, model, whole_record, rmse_pa)?;
     let Compared { parameters, residuals, judged_from } = compared;
-    let (mut squares, mut count) = (0.0, 0usize);
     let mut records = Vec::with_capacity(parameters.len());
     for ((parameters, residual), (t, &from)) in
         parameters.into_iter().zip(&residuals).zip(data.traces.iter().zip(&judged_from))
     {
         let (sum, rows) = misfit::squares(t, residual, from);
-        squares += sum;
-        count += rows;
         records.push(RecordError {
             trace: t.path.display().to_string(),
             parameters,
@@ -124,16 +132,14 @@ pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Vali
             rows,
         });
     }
-    if count == 0 {
-        return Err(Error::NothingToCompare { rig: rig.path.clone() });
-    }
+    let notes = recording::left_out(&data).into_iter().chain(uncompared(&data, whole_record)).chain(warm_start);
     let validation = Validation {
         whole_record,
-        rmse_pa: (squares / count as f64).sqrt(),
+        rmse_pa,
         noise_pa: data.noise.total_pa(),
         systematic_pa: whole_record.then(|| misfit::systematic(&data, &residuals)),
         records,
-        notes: recording::left_out(&data).into_iter().chain(uncompared(&data, whole_record)).collect(),
+        notes: notes.collect(),
     };
     Ok(Validated { validation, data, residuals })
 }
@@ -144,6 +150,23 @@ fn uncompared(data: &Data, whole_record: bool) -> Option<String> {
     (!whole_record && data.traces.iter().any(has_gap)).then(|| {
         "what is behind a record's first gap is not compared: how warm the gas comes out of it cannot be predicted (`--whole-record` fits that too)".to_owned()
     })
+}
+
+/// What is said of records that begin before gas and wall are as warm as their surroundings, of which the model knows nothing.
+fn warm_start(data: &Data, model: &Predictor, whole_record: bool, rmse_pa: f64) -> Result<Option<String>, Error> {
+    let known_pa = model.error_pa.max(data.noise.total_pa());
+    if model.of_each_record.initial_temperature || rmse_pa < UNUSUAL * known_pa {
+        return Ok(None);
+    }
+    let of_each_record = OfEachRecord { initial_temperature: true, ..model.of_each_record };
+    let (squares, count) = Compared::of(data, &Predictor { of_each_record, ..*model }, whole_record)?.squares(data);
+    let warm_pa = (squares / count as f64).sqrt();
+    Ok((warm_pa < BY_WARMTH * rmse_pa).then(|| {
+        format!(
+            "with initial temperatures of their own the records differ from the model by {} Pa rms: gas or wall had not reached the temperature of the surroundings when they begin",
+            digits(warm_pa, 3)
+        )
+    }))
 }
 
 /// Each record against the model, with its own numbers.
@@ -169,6 +192,13 @@ impl Compared {
         let (parameters, residuals) = found.into_iter().unzip();
         Ok(Self { parameters, residuals, judged_from })
     }
+
+    /// Sum of the squares of what is judged, Pa², and how many rows that are.
+    fn squares(&self, data: &Data) -> (f64, usize) {
+        let of_each = data.traces.iter().zip(&self.residuals).zip(&self.judged_from);
+        let squares = of_each.map(|((t, residual), &from)| misfit::squares(t, residual, from));
+        squares.fold((0.0, 0), |(sum, rows), (more, further)| (sum + more, rows + further))
+    }
 }
 
 /// What is free of a record: its own numbers.
@@ -178,9 +208,11 @@ fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis 
     // a record's own only where the model or each of its own records has it, and the former only with the whole record.
     let growing = terms::growing_with_time();
     let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
-    let own = terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record)));
+    let own = terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record.effects)));
     let own = if whole_record { own } else { own.without(growing) };
-    let model = Model { effects: chamber.active().union(own), own, ..Model::PAPER };
+    let with = Model::with(chamber.active().union(own));
+    let own_start = if model.of_each_record.initial_temperature { with.most_of_start() } else { with.own_start };
+    let model = Model { own, own_start, ..with };
     let mut hypothesis = Hypothesis::new(data, model, chamber, &Sizes::of(data, chamber));
     hypothesis.axes.clear();
     hypothesis.stated.clear();

@@ -75,6 +75,8 @@ pub enum Own {
     Pressure,
     /// Initial temperature over its first guess.
     Temperature,
+    /// Initial temperature of a wall that warms, over the same first guess.
+    WallTemperature,
     /// Temperature of its surroundings over the stated one.
     AmbientTemperature,
     /// Temperature of the gas behind one of its gaps, over that which the stroke taken for the gap leads to.
@@ -89,6 +91,7 @@ impl Own {
         match self {
             Own::Pressure => "initial_pressure_pa".to_owned(),
             Own::Temperature => "initial_temperature_k".to_owned(),
+            Own::WallTemperature => "initial_wall_temperature_k".to_owned(),
             Own::AmbientTemperature => Slot::AmbientTemperature.name(),
             Own::BehindGap(gap) => format!("behind_gap_{}.temperature_ratio", gap + 1),
             Own::Effect(e, p) => Slot::Effect(e, p).name(),
@@ -99,7 +102,7 @@ impl Own {
     pub fn unit(self) -> &'static str {
         match self {
             Own::Pressure => "Pa",
-            Own::Temperature | Own::AmbientTemperature => "K",
+            Own::Temperature | Own::WallTemperature | Own::AmbientTemperature => "K",
             Own::BehindGap(_) => "1",
             Own::Effect(e, p) => Slot::Effect(e, p).unit(),
         }

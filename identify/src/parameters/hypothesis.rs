@@ -2,9 +2,9 @@
 
 use super::axis::{Axis, Own, Slot};
 use super::curve::{self, axis_of_value, curve_of};
-use super::model::{Model, delays_position, delays_pressure};
+use super::model::{Model, OwnStart, delays_position, delays_pressure};
 use super::sizes::{Sizes, is_decay};
-use super::stated::{REST_DEVIATION_K, stated};
+use super::stated::{REST_DEVIATION_K, WALL_DEVIATION_K, stated};
 use crate::characteristic::Characteristic;
 use crate::forward::Correction;
 use crate::policy;
@@ -47,7 +47,12 @@ impl Hypothesis {
     /// Number of free parameters with these records, beyond those that each has whatever the model: its initial pressure, and where
     /// it begins in motion its initial temperature.
     pub fn freedom(&self, records: impl Iterator<Item = usize>) -> usize {
-        let of_record = |k: usize| self.own.len() + usize::from(self.model.initial_temperature && self.at_rest[k]);
+        let of_record = |k: usize| {
+            // A record that begins in motion has the gas's whatever the model.
+            let of_start = self.model.own_start as usize
+                - usize::from(self.model.own_start > OwnStart::Nothing && !self.at_rest[k]);
+            self.own.len() + of_start
+        };
         self.axes.len() + records.map(of_record).sum::<usize>()
     }
 
@@ -170,11 +175,17 @@ impl Hypothesis {
     pub fn own_of(&self, trace: &Prepared) -> Vec<Axis<Own>> {
         let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior: None };
         let mut out = vec![initial(Own::Pressure, trace.initial_pressure_pa)];
-        if !trace.starts_at_rest || self.model.initial_temperature {
+        if !trace.starts_at_rest || self.model.own_start >= OwnStart::Gas {
             let mut axis = initial(Own::Temperature, trace.initial_temperature_k);
             // A gas at rest has nearly the temperature of its surroundings.
             axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
             out.push(axis);
+        }
+        if self.model.own_start >= OwnStart::GasAndWall {
+            let sd = WALL_DEVIATION_K / trace.initial_temperature_k;
+            let bounds = [-1.0, 1.0].map(|side| 1.0 + side * policy::DEVIATIONS_BEFOREHAND * sd);
+            let wall = initial(Own::WallTemperature, trace.initial_temperature_k);
+            out.push(Axis { bounds, prior: Some([1.0, sd]), ..wall });
         }
         if self.ambient_scatter_k > 0.0 && !trace.shows_ambient {
             let sd = self.ambient_scatter_k / trace.initial_temperature_k;
@@ -191,7 +202,9 @@ impl Hypothesis {
     /// Where a record's own numbers begin: its first guesses, what `base` has of the effects.
     pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
         let begin = |axis: &Axis<Own>| match axis.slot {
-            Own::Pressure | Own::Temperature | Own::AmbientTemperature | Own::BehindGap(_) => 1.0,
+            Own::Pressure | Own::Temperature | Own::WallTemperature | Own::AmbientTemperature | Own::BehindGap(_) => {
+                1.0
+            }
             Own::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
         };
         self.own_of(trace).iter().map(begin).collect()
@@ -256,6 +269,7 @@ impl Hypothesis {
                 Own::AmbientTemperature => {}
                 Own::Pressure => start.pressure = axis.value(*x),
                 Own::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
+                Own::WallTemperature => correction.wall_warmer = axis.value(*x) - trace.initial_temperature_k,
                 Own::BehindGap(gap) => correction.behind_gaps[gap] = axis.value(*x),
                 Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
             }

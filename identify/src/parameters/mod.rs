@@ -20,5 +20,5 @@ mod stated;
 pub use axis::{Axis, Own, Slot};
 pub use curve::curve_of;
 pub use hypothesis::{Hypothesis, Setting, first_chamber};
-pub use model::{Model, delays_position, delays_pressure, is_timing, names};
+pub use model::{Model, OwnStart, delays_position, delays_pressure, is_timing, names};
 pub use sizes::{Sizes, is_decay};

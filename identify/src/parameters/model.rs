@@ -1,7 +1,18 @@
 //! Which terms a model has beyond the paper's.
 
 use chamber::card::{ActsOn, Card, Unit};
-use chamber::effects::{self, CARDS, EffectSet, EffectValues};
+use chamber::effects::{self, CARDS, EffectSet, EffectValues, WallHeating};
+
+/// Temperatures that each record begins with for itself, also where it begins at rest: each step is a term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum OwnStart {
+    /// Gas and wall begin as warm as their surroundings.
+    Nothing,
+    /// The gas does not: it was filled or moved shortly before.
+    Gas,
+    /// A wall that warms does not either: tests shortly before have warmed or cooled it.
+    GasAndWall,
+}
 
 /// Which model is to be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,8 +23,8 @@ pub struct Model {
     pub own: EffectSet,
     /// Effects whose secondary parameters are free too.
     pub secondary: EffectSet,
-    /// Whether each record's initial temperature is free, also where it begins at rest.
-    pub initial_temperature: bool,
+    /// Which initial temperatures each record has for itself.
+    pub own_start: OwnStart,
 }
 
 impl Model {
@@ -22,7 +33,7 @@ impl Model {
         effects: EffectSet::NONE,
         own: EffectSet::NONE,
         secondary: EffectSet::NONE,
-        initial_temperature: false,
+        own_start: OwnStart::Nothing,
     };
 
     /// The paper's with these effects of the rig.
@@ -33,7 +44,14 @@ impl Model {
     /// Without some effects, and what is free of them.
     pub fn without(&self, effects: EffectSet) -> Self {
         let without = |set: EffectSet| set.without(effects);
-        Self { effects: without(self.effects), own: without(self.own), secondary: without(self.secondary), ..*self }
+        let [own, secondary] = [self.own, self.secondary].map(without);
+        let effects = without(self.effects);
+        Self { effects, own, secondary, own_start: self.own_start.min(Self::with(effects).most_of_start()) }
+    }
+
+    /// The most that its records can have for themselves of their start.
+    pub fn most_of_start(&self) -> OwnStart {
+        if self.effects.has(WallHeating::PLACE) { OwnStart::GasAndWall } else { OwnStart::Gas }
     }
 
     /// The same terms, none with secondary parameters free.
@@ -53,7 +71,7 @@ impl Model {
 
     /// Whether some of it each record has for itself, beyond its initial pressure: with many records that fits much.
     pub fn has_terms_of_records(&self) -> bool {
-        self.initial_temperature || !self.own.is_empty()
+        self.own_start > OwnStart::Nothing || !self.own.is_empty()
     }
 
     /// Number of effects that shift or smear the records in time, and the stroke's noise with them.
@@ -64,14 +82,16 @@ impl Model {
     /// Its terms, joined by " + ".
     pub fn words(&self) -> String {
         let of_rig = names(self.of_rig()).into_iter().map(str::to_owned);
-        let of_records = names(self.own).into_iter().map(|n| format!("{n} (each record its own)"));
-        let start = self.initial_temperature.then(|| "initial_temperature (each record its own)".to_owned());
-        of_rig.chain(of_records).chain(start).collect::<Vec<_>>().join(" + ")
+        let starts = [(OwnStart::Gas, "initial_temperature"), (OwnStart::GasAndWall, "initial_wall_temperature")];
+        let starts = starts.into_iter().filter(|(start, _)| self.own_start >= *start);
+        let of_records = names(self.own).into_iter().chain(starts.map(|(_, name)| name));
+        let of_records = of_records.map(|name| format!("{name} (each record its own)"));
+        of_rig.chain(of_records).collect::<Vec<_>>().join(" + ")
     }
 
     /// Number of terms beyond the paper's model.
     pub fn terms(&self) -> usize {
-        self.effects.iter().count() + usize::from(self.initial_temperature)
+        self.effects.iter().count() + self.own_start as usize
     }
 }
 

@@ -1,13 +1,16 @@
 //! What the rig states within its tolerances, and the effects' cards of their secondary parameters: numbers that stay as stated.
 
 use super::axis::{Axis, Slot};
-use super::model::Model;
+use super::model::{Model, OwnStart};
 use crate::characteristic::WAVES;
 use crate::record::data::Data;
 use chamber::effects::CARDS;
 
 /// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
 pub const REST_DEVIATION_K: f64 = 3.0;
+
+/// The same of a wall that tests shortly before have warmed or cooled, of each record.
+pub const WALL_DEVIATION_K: f64 = 5.0;
 
 /// What the rig states, and behind it what the effects' cards state of secondary parameters that are not free; of records between
 /// these positions, m.
@@ -22,7 +25,7 @@ pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
 /// another temperature would stand.
 fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
-    let rest = if model.initial_temperature { REST_DEVIATION_K } else { 0.0 };
+    let rest = if model.own_start > OwnStart::Nothing { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
     let wave = |k| (Slot::PositionLinearity(k), t.position_linearity * (high_m - low_m));
     let numbers = [

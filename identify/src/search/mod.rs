@@ -4,7 +4,7 @@
 //! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
 //! whose first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or
 //! next to nothing, where nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
-//! the rig, an effect of the recording that each record has for itself, or initial temperatures. It enters by decisive evidence and
+//! the rig, an effect of the recording that each record has for itself, or initial temperatures of gas or wall. It enters by decisive evidence and
 //! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
 //! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
 //! with the stated numbers far more uncertain than stated, or it goes out again (`needed`). Where that leaves more than noise, the

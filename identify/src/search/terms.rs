@@ -1,7 +1,7 @@
 //! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
-//! the records' initial temperatures.
+//! the records' initial temperatures, and those of a wall that warms.
 
-use crate::parameters::{self, Model};
+use crate::parameters::{self, Model, OwnStart};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::card::{ActsOn, Card, Scope, Tried, Unit};
@@ -24,9 +24,9 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
             out.push(Model { effects, own: model.own.union(one), ..*model });
         }
     }
-    if !model.initial_temperature {
-        out.push(Model { initial_temperature: true, ..*model });
-    }
+    let starts = [OwnStart::Gas, OwnStart::GasAndWall].into_iter();
+    let longer = starts.filter(|start| model.own_start < *start && *start <= model.most_of_start());
+    out.extend(longer.map(|start| Model { own_start: start, ..*model }));
     out
 }
 
@@ -39,7 +39,7 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
                 effects: a.effects.union(b.effects),
                 own: a.own.union(b.own),
                 secondary: a.secondary.union(b.secondary),
-                initial_temperature: a.initial_temperature || b.initial_temperature,
+                own_start: a.own_start.max(b.own_start),
             };
             if joined.terms() + base.terms() == a.terms() + b.terms() {
                 out.push(joined);
@@ -65,9 +65,12 @@ pub fn takes_back_the_stroke(model: &Model) -> bool {
 /// The model with one term less, each way there is; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model.effects.iter().map(|e| model.without(EffectSet::one(e))).collect();
-    if model.initial_temperature {
-        out.push(Model { initial_temperature: false, ..*model });
-    }
+    let shorter = match model.own_start {
+        OwnStart::Nothing => None,
+        OwnStart::Gas => Some(OwnStart::Nothing),
+        OwnStart::GasAndWall => Some(OwnStart::Gas),
+    };
+    out.extend(shorter.map(|start| Model { own_start: start, ..*model }));
     out
 }
 
@@ -89,14 +92,14 @@ pub fn with_other_timing(model: &Model) -> Vec<Model> {
 pub fn is_part(part: &Model, whole: &Model) -> bool {
     whole.effects.contains(part.effects)
         && part.effects.iter().all(|e| part.own.has(e) == whole.own.has(e))
-        && (whole.initial_temperature || !part.initial_temperature)
+        && part.own_start <= whole.own_start
 }
 
 /// Those terms of a model that shift or smear the records in time.
 pub fn timing_of(model: &Model) -> Model {
     let part = |set: EffectSet| set.intersection(of_timing());
     let Model { effects, own, secondary, .. } = *model;
-    Model { effects: part(effects), own: part(own), secondary: part(secondary), initial_temperature: false }
+    Model { effects: part(effects), own: part(own), secondary: part(secondary), own_start: OwnStart::Nothing }
 }
 
 /// Whether a model has nothing but a delay between pressures and positions.

@@ -56,6 +56,8 @@ pub struct Bench {
     pub ambient_spread_k: f64,
     /// How much warmer than the surroundings the gas is at the start, K.
     pub start_warmer_k: f64,
+    /// The same of a wall that warms, K.
+    pub start_wall_warmer_k: f64,
 }
 
 /// A rig's truth.
@@ -399,6 +401,7 @@ impl Recipe {
             ambient_k: self.ambient_k + self.bench.ambient_spread_k * disturbing.normal(),
             ambient_rate_k_per_s: self.bench.ambient_rise_k / time,
             start_warmer_k: self.bench.start_warmer_k,
+            start_wall_warmer_k: self.bench.start_wall_warmer_k,
             ambient_pa: self.ambient_pa,
             stroke: &stroke,
         };

@@ -8,7 +8,7 @@ use super::outside::Outside;
 use super::stroke::Stroke;
 use chamber::Chamber;
 use chamber::balance::{self, Balances, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Surroundings};
-use chamber::effects::{self, EffectSet};
+use chamber::effects::{self, EffectSet, WallHeating};
 
 /// Step of the integration; moves begin and end at its multiples, s.
 pub const STEP_S: f64 = 2.5e-4;
@@ -28,6 +28,8 @@ pub struct Truth<'a> {
     pub ambient_rate_k_per_s: f64,
     /// How much warmer than the surroundings the gas is at time zero, K.
     pub start_warmer_k: f64,
+    /// The same of a wall that warms, K.
+    pub start_wall_warmer_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pa: f64,
     /// The piston's true position in time, m.
@@ -50,6 +52,7 @@ impl Truth<'_> {
         let set = self.chamber.active().without(effects::of_sensor());
         let start_k = effects::rest_temperature(&self.chamber.effects, self.ambient_k) + self.start_warmer_k;
         let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, start_k);
+        state[OWN + effects::STATE_OFFSETS[WallHeating::PLACE]] += self.start_wall_warmer_k;
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
         let mut sensor = Sensor {
             lag: self.parameter("sensor_lag"),
@@ -267,6 +270,7 @@ mod tests {
                 ambient_k: recipe.ambient_k,
                 ambient_rate_k_per_s: 0.0,
                 start_warmer_k: 0.0,
+                start_wall_warmer_k: 0.0,
                 ambient_pa: recipe.ambient_pa,
                 stroke: &stroke,
             };
