@@ -3,7 +3,6 @@
 
 pub mod documentation;
 pub mod experiment;
-pub mod identity;
 pub mod related;
 pub mod signatures;
 pub mod validation;
@@ -11,12 +10,12 @@ pub mod validation;
 use crate::description::Description;
 use crate::fmi2;
 use crate::fmi3;
+use crate::identity::Identity;
 use crate::plant::values::Starts;
 use crate::start_values::{self, Block, BlockError};
 use crate::table::units::behind;
 use crate::table::{settable, table};
 use documentation::About;
-use identity::Identity;
 use signatures::SignatureError;
 use std::io::{Cursor, Write};
 use thiserror::Error;
@@ -162,7 +161,9 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
             add("terminalsAndIcons/terminal.png", documentation::TERMINAL, 0o644)?;
         }
     }
-    for (name, bytes) in documentation::files(contents) {
+    for (name, bytes) in documentation::files(documentation::page(
+        contents.identity, contents.starts, contents.about, contents.validations,
+    )) {
         add(&format!("documentation/{name}"), &bytes, 0o644)?;
     }
     for library in contents.libraries {
