@@ -6,6 +6,7 @@
 use crate::ambient;
 use crate::document::{Document, Kind};
 use crate::error::Error;
+use crate::error::trace::TraceProblem;
 use crate::gas::{self, NamedGas};
 use crate::key::{Bounds, KeyProblem};
 use crate::layout::{Layout, Quantity};
@@ -13,7 +14,7 @@ use crate::limits;
 use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::names::repeated;
 use crate::table::Table;
-use crate::trace::{Need, Reading, Trace, TraceProblem, Window};
+use crate::trace::{Need, Reading, Trace, Window};
 use crate::units::Unit;
 use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;

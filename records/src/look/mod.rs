@@ -14,9 +14,10 @@ pub mod proposal;
 pub mod readings;
 
 use crate::error::Error;
+use crate::error::trace::TraceProblem;
 use crate::format::{Decimal, Encoding, Format};
 use crate::layout::Layout;
-use crate::trace::{self, Content, Need, Reading, Trace, TraceProblem, Window};
+use crate::trace::{self, Content, Need, Reading, Trace, Window};
 use columns::{Guess, Names};
 use motion::Phase;
 use readings::Readings;

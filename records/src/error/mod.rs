@@ -1,9 +1,11 @@
 //! What can be wrong with a file, in sentences: where, what, what to do.
 
+pub mod trace;
+
 use crate::key::KeyProblem;
-use crate::trace::problem::TraceProblem;
 use std::io;
 use std::path::PathBuf;
+use trace::TraceProblem;
 
 /// Why a file was refused or could not be written.
 #[derive(Debug, thiserror::Error)]
