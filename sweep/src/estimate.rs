@@ -1,11 +1,11 @@
 //! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
 use crate::error::Error;
-use crate::folder::store::existing;
 use crate::part;
 use crate::part::columns;
 use crate::part::encoding;
 use crate::row::chunk::CHUNK;
+use crate::store::existing;
 use crate::study::Study;
 use parquet::arrow::ArrowWriter;
 use rayon::prelude::*;

@@ -4,33 +4,30 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`file_names`], `record` | what stands where; what is known of a part |
+//! | `record` | what is known of a part |
 //! | `differing` | in which entries two studies differ |
-//! | [`store`] | where the folder is: on a disk or elsewhere |
 //! | [`earlier`] | rows that a smaller study has solved already |
 //! | [`verify`] | whether it holds what its manifest says |
 
 mod differing;
 pub mod earlier;
-pub mod file_names;
 pub(crate) mod record;
-pub mod store;
 pub mod verify;
 
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use crate::hash;
-use crate::part::Written;
 use crate::part::columns;
 use crate::part::new_file::Digest;
+use crate::part::status_column::StatusCounts;
 use crate::statistics::State;
+use crate::store::{LocalFile, Store};
 use crate::study::Study;
 use differing::differing;
-use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
-use store::{LocalFile, Store};
 
 /// A study's folder.
 pub struct Folder<'a> {
@@ -143,16 +140,10 @@ impl<'a> Folder<'a> {
     }
 
     /// A part's record, to be written before the part gets its name.
-    pub fn record(&self, part: u64, written: &Written) -> Record {
+    pub fn record(&self, part: u64, statuses: StatusCounts, file: Option<Digest>, statistics: Option<State>) -> Record {
         let rows = self.study.rows_of(part);
-        Record {
-            study_sha256: self.identity.clone(),
-            first_row: rows.start,
-            rows: rows.end - rows.start,
-            statuses: written.statuses.clone(),
-            file: written.file.as_ref().map(|file| file.digest().clone()),
-            statistics: written.statistics.clone(),
-        }
+        let (first_row, rows) = (rows.start, rows.end - rows.start);
+        Record { study_sha256: self.identity.clone(), first_row, rows, statuses, file, statistics }
     }
 
     /// Makes a part's record last.

@@ -1,10 +1,10 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
-use super::file_names::{self, MANIFEST, RECORDS, RESULTS, ROWS, STUDY};
 use super::record;
-use super::store::Store;
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, RECORDS, RESULTS, ROWS, STUDY};
 use crate::part::new_file::Digest;
+use crate::store::Store;
 use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::Value;

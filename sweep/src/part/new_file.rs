@@ -9,7 +9,7 @@ use super::pages::{self, Collector, Pages, Pieces};
 use super::sink::Sink;
 use super::texts::Texts;
 use crate::error::Error;
-use crate::folder::store::{Store, TEMPORARY};
+use crate::store::{Store, TEMPORARY};
 use arrow::array::{ArrayRef, AsArray};
 use arrow::datatypes::{Field, SchemaRef};
 use arrow::record_batch::RecordBatch;

@@ -10,12 +10,12 @@ pub use rows::EarlierReader;
 
 use crate::design::Design;
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::folder::differing::differing;
-use crate::folder::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::folder::record;
-use crate::folder::store::{LocalFile, Store};
 use crate::hash;
 use crate::part::reader;
+use crate::store::{LocalFile, Store};
 use crate::study::Study;
 use arrow::array::AsArray;
 use rayon::prelude::*;

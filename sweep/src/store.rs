@@ -1,7 +1,7 @@
 //! Where a study's folder is: on a disk or, behind the same few operations, in an object store. Files are named relative to
 //! the folder, with `/`.
 
-use super::file_names::RECORDS;
+use crate::file_names::RECORDS;
 use crate::hash;
 use std::fs::File;
 use std::io::{self, ErrorKind};

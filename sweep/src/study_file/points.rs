@@ -1,8 +1,8 @@
 //! The points of a study: of the axes in `[vary]`, or the rows of a table.
 
-use super::Varied;
 use super::check::{self, Bounds};
 use super::constraints;
+use super::names::{self, NotFound};
 use super::section::{Entry, Section};
 use super::vary::{self, VariedAxis, varied};
 use crate::design::table::Table;
@@ -11,10 +11,10 @@ use crate::error::Error;
 use crate::hash;
 use crate::quantity::axis::Axis;
 use crate::quantity::copula::Copula;
-use crate::quantity::names::{self, NotFound};
 use crate::quantity::point::Point;
 use crate::quantity::uncertain::Uncertain;
 use crate::quantity::{self, Base};
+use crate::study::Varied;
 use ensemble::Solver;
 use records::{Field, Model};
 use std::path::Path;
