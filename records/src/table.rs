@@ -22,11 +22,6 @@ impl<'d> Table<'d> {
         Self { path, name: name.into(), line, entries }
     }
 
-    /// Its dotted name, empty for the outermost.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Its keys, in the file's order.
     pub fn keys(&self) -> impl Iterator<Item = &'d str> + use<'d> {
         self.entries.iter().map(|entry| entry.key.as_str())
@@ -73,6 +68,11 @@ impl<'d> Table<'d> {
                 Error::Key { path, line, key, problem: Box::new(problem) }
             }
         }
+    }
+
+    /// A complaint that a key's value contradicts another, or needs one, in the words of `why`.
+    pub fn contradiction(&self, key: &str, why: impl Into<String>) -> Error {
+        self.refuse(key, KeyProblem::Contradiction(why.into()))
     }
 
     /// A complaint that a key is missing which should hold `expected`.

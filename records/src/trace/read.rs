@@ -69,7 +69,7 @@ pub(super) fn with_lines<T>(
     });
     done.map_err(|stop| match stop {
         Stop::Io(source) => Error::Read { path: path.to_owned(), source },
-        Stop::Problem(problem) => Error::Trace { path: path.to_owned(), problem: Box::new(problem) },
+        Stop::Problem(problem) => Error::trace(path, problem),
     })
 }
 
