@@ -139,10 +139,8 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
         let batch = batch.map_err(|error| Error::arrow(path, error))?;
         for (name, values) in plan.columns.iter().zip(&mut columns) {
             let column = batch.column_by_name(name).and_then(|column| column.as_primitive_opt::<Float64Type>());
-            let column = column.ok_or_else(|| Error::Table {
-                path: path.to_owned(),
-                message: format!("has no column `{name}` of numbers for the statistics"),
-            })?;
+            let column = column
+                .ok_or_else(|| Error::table(path, format!("has no column `{name}` of numbers for the statistics")))?;
             values.extend(reader::numbers(column));
         }
         loop {

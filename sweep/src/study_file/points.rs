@@ -187,11 +187,11 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
                 NotFound::Unknown(None) => "; `columns = [...]` in the study picks columns",
                 _ => "",
             };
-            Error::Table { path: file.clone(), message: format!("column `{name}` {}{picks}", reason.words(name)) }
+            Error::table(&file, format!("column `{name}` {}{picks}", reason.words(name)))
         })?;
         if list.iter().any(|v| v.quantity == place) {
             let message = format!("column `{name}` is a quantity that another column holds already");
-            return Err(Error::Table { path: file.clone(), message });
+            return Err(Error::table(&file, message));
         }
         list.push(varied(name, place));
     }
@@ -206,9 +206,9 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
         if both(a, b) {
             let [a, b] = [a, b].map(|base| &quantity::all()[base as usize].name);
             let message = format!("columns {a} and {b} set the same thing twice: keep one of the two");
-            return Err(Error::Table { path: file.clone(), message });
+            return Err(Error::table(&file, message));
         }
     }
-    let table_sha256 = Some(hash::of_file(&file).map_err(|source| Error::Read { path: file.clone(), source })?);
+    let table_sha256 = Some(hash::of_file(&file).map_err(Error::reading(&file))?);
     Ok(Points { design: Design::Table(table), varied: list, entries: Vec::new(), table_sha256 })
 }

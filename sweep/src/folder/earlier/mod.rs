@@ -51,9 +51,9 @@ impl Earlier {
     pub fn open(study: &Study, store: &dyn Store) -> Result<Self, Error> {
         let folder = store.place();
         let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
-        let reading = |source| Error::Read { path: folder.to_owned(), source };
-        let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(reading)? {
-            None => store.read(MANIFEST).map_err(reading)?,
+        let reading = Error::reading(folder);
+        let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(&reading)? {
+            None => store.read(MANIFEST).map_err(&reading)?,
             text => text,
         };
         let text = text.ok_or_else(|| refuse(format!("it holds no study ({RECORDS}/{STUDY} is missing)")))?;
