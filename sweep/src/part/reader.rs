@@ -9,9 +9,6 @@ use std::fs::File;
 use std::path::Path;
 
 /// The rows of a part's file after the first `skipped`; of the columns of those names, or all.
-///
-/// # Errors
-/// It cannot be read.
 pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<ParquetRecordBatchReader, Error> {
     let file = File::open(path).map_err(Error::reading(path))?;
     let parquet = Error::parquet(path);

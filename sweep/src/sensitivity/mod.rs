@@ -17,9 +17,6 @@ use serde_json::{Map, Value, json};
 
 /// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` gives a
 /// part as a file on the disk; it is asked once for each part.
-///
-/// # Errors
-/// A part cannot be read.
 pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) -> Result<Option<Value>, Error> {
     let Design::Saltelli(design) = &study.design else { return Ok(None) };
     let scheme = design.scheme();
