@@ -31,7 +31,7 @@ pub const SOLVERS: [(&str, Solver); 3] =
     [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
 
 /// Relative tolerances that make sense.
-pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-2;
+const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-2;
 
 /// What takes the place of a study file's own.
 #[derive(Clone, Copy, Debug, Default)]
