@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use sweep::folder::store::{LocalFile, Store};
+use sweep::store::{LocalFile, Store};
 use tempfile::{NamedTempFile, TempDir};
 use tokio::runtime::Runtime;
 

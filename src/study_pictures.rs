@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 use serde_json::Value;
 use sweep::Store;
-use sweep::folder::file_names::{SENSITIVITY, SENSITIVITY_PICTURE, STATISTICS, STATISTICS_PICTURE};
+use sweep::file_names::{SENSITIVITY, SENSITIVITY_PICTURE, STATISTICS, STATISTICS_PICTURE};
 
 /// Size of a panel, px, without the bars of indices.
 const PANEL: (u32, u32) = (420, 260);

@@ -1,16 +1,18 @@
 //! `modelDescription.xml` as far as both versions of FMI say the same, rendered from the one table of variables. What each
 //! says in its own words is its [`Dialect`]. The guid, in FMI 3.0 the instantiation token, is a hash of everything else.
 
-use crate::package::experiment;
-use crate::package::identity::Identity;
+use crate::identity::Identity;
+use crate::plant::leader::EXPERIMENT_S;
 use crate::plant::simulation::DEFAULT_TOLERANCE;
 use crate::plant::values::Starts;
 use crate::protocol::message::Category;
-use crate::table::choices::{ENUMERATIONS, Enumeration};
-use crate::table::states::place_of_state;
+use crate::table::choices::ENUMERATIONS;
+use crate::table::place_of_state;
 use crate::table::structure::{self, Unknown};
 use crate::table::units::{QUANTITIES, Quantity, UNITS};
-use crate::table::{Role, STEP_S, Variability, Variable, settable, table};
+use crate::table::variable::Enumeration;
+use crate::table::variable::{Role, Variability, Variable};
+use crate::table::{STEP_S, settable, table};
 use crate::xml::{line, number};
 use sha2::{Digest, Sha256};
 
@@ -73,12 +75,8 @@ fn document<D: Dialect>(identity: &Identity, starts: &Starts, generated: Option<
         line(&mut xml, 4, "Category", &[("name", name.into()), ("description", description.into())], true);
     }
     xml += "  </LogCategories>\n";
-    let experiment = [
-        ("startTime", 0.0),
-        ("stopTime", experiment::DURATION_S),
-        ("tolerance", DEFAULT_TOLERANCE),
-        ("stepSize", STEP_S),
-    ];
+    let experiment =
+        [("startTime", 0.0), ("stopTime", EXPERIMENT_S), ("tolerance", DEFAULT_TOLERANCE), ("stepSize", STEP_S)];
     line(&mut xml, 2, "DefaultExperiment", &experiment.map(|(name, value)| (name, number(value))), true);
     xml += "  <ModelVariables>\n";
     for (reference, variable) in table().iter().enumerate() {

@@ -4,8 +4,9 @@
 //! |---|---|---|
 //! | [`plant`] | the chamber between its ports, its wall and its piston: states, rates, inputs, history | numbers by index |
 //! | [`table`] | the one table of variables with its units and dependencies | the plant |
-//! | [`protocol`] | one instance: phases of the life cycle, batches taken whole or not at all, saved states, warnings | both |
-//! | [`start_values`] | the block of start values inside the library | the plant and the table |
+//! | [`start_values`] | the block of start values inside the library | both |
+//! | [`protocol`] | one instance: phases of the life cycle, batches taken whole or not at all, saved states, warnings | all of these |
+//! | [`identity`] | who an FMU is | nothing |
 //! | [`boundary`], [`description`] | what both versions of FMI share: the checks at the C boundary, the description's parts, written with [`xml`] | all of these |
 //! | [`fmi2`], [`fmi3`] | each version's C functions and its words in the description; with [`boundary`], the only `unsafe` of the project | all of these |
 //! | [`package`] | the FMU as a file: signatures, documentation, reference experiments | all of these |
@@ -20,6 +21,8 @@ pub mod boundary;
 pub mod description;
 pub mod fmi2;
 pub mod fmi3;
+#[cfg(feature = "package")]
+pub mod identity;
 #[cfg(feature = "package")]
 pub mod package;
 pub mod plant;

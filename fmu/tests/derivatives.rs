@@ -5,7 +5,8 @@
 mod common;
 
 use common::Host;
-use fmu::table::{Role, table};
+use fmu::table::table;
+use fmu::table::variable::Role;
 
 /// Whether a derivative is that of a central difference over ±`d` of a value known to `relative`.
 fn close(exact: f64, difference: f64, value: f64, relative: f64, d: f64) -> bool {

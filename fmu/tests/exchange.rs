@@ -13,7 +13,7 @@ use fmu::fmi2::host::EventInfo;
 use fmu::plant::corners::CORNERS;
 use fmu::plant::states::ALL;
 use fmu::table::effects::{effects_here, parameter_name};
-use fmu::table::states::place_of_state;
+use fmu::table::place_of_state;
 
 /// A host that integrates: Dormand and Prince's pair, with inputs as functions of time.
 struct Exchange<F> {

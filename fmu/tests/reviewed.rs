@@ -1,7 +1,7 @@
 //! What ships beside the library is what was reviewed: `UPDATE_EXPECT=1 cargo test -p pneutherm-fmu` writes it anew.
 
 use expect_test::expect_file;
-use fmu::package::identity::Identity;
+use fmu::identity::Identity;
 use fmu::plant::values::Starts;
 use fmu::{fmi2::description, package::documentation};
 

@@ -12,7 +12,8 @@ use fmu::plant::values::Starts;
 use fmu::protocol::instance::Instance;
 use fmu::protocol::phases::Phase;
 use fmu::protocol::refusal::Refusal;
-use fmu::table::{Type, Variable, table};
+use fmu::table::table;
+use fmu::table::variable::{Type, Variable};
 use memory::MEMORY;
 use std::cell::Cell;
 

@@ -13,7 +13,7 @@
 mod table;
 mod work;
 
-use ::sweep::statistics::Plan;
+use ::sweep::study::plan::Plan;
 use anyhow::Context;
 use pneutherm::settings::Settings;
 use pneutherm::simulation::band::Wanted;

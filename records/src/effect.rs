@@ -4,7 +4,7 @@
 //! they have the same length. A list shorter than its places repeats its last number in the rest of them.
 
 use crate::error::Error;
-use crate::key::{Bounds, KeyProblem};
+use crate::key::Bounds;
 use crate::table::Table;
 use crate::toml_text::{number, quoted};
 use chamber::card::{Card, Kind, Parameter};
@@ -52,7 +52,7 @@ pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Er
                 let (first, length) = *first_list.get_or_insert((parameter.name, list.len()));
                 if list.len() != length {
                     let problem = format!("has {} numbers, `{first}` has {length}", list.len());
-                    return Err(table.refuse(key, KeyProblem::Contradiction(problem)));
+                    return Err(table.contradiction(key, problem));
                 }
                 for k in 0..places {
                     values[place + k] = list[k.min(length - 1)];
@@ -61,7 +61,7 @@ pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Er
             Kind::Place { .. } => {}
         }
     }
-    (card.check)(values).map_err(|problem| table.refuse(&keys[0], KeyProblem::Contradiction(problem)))
+    (card.check)(values).map_err(|problem| table.contradiction(&keys[0], problem))
 }
 
 /// The key that holds a parameter: that of its list, for a place.
@@ -83,7 +83,7 @@ fn list(table: &Table<'_>, parameter: &Parameter, places: usize, rising: bool) -
     let (key, bounds) = (parameter.name, Bounds::Within(parameter.bounds.clone(), ""));
     let expected = format!("a list of 1 to {places} numbers");
     let list = table.numbers(key, &bounds)?.ok_or_else(|| table.missing(key, &expected))?;
-    let refuse = |problem: String| Err(table.refuse(key, KeyProblem::Contradiction(problem)));
+    let refuse = |problem: String| Err(table.contradiction(key, problem));
     if list.is_empty() || list.len() > places {
         return refuse(format!("has {} numbers; expected {expected}", list.len()));
     }

@@ -5,7 +5,8 @@ use crate::key::{Bounds, KeyProblem};
 use crate::value::{Entry, Value};
 use std::path::Path;
 
-/// A view on one key of a [`Document`](crate::document::Document).
+/// A view on one key of a [`Document`](crate::document::Document). Whatever is asked of it is refused where its value is of another
+/// type, a number out of its bounds, or a word none of those known.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'d> {
     pub(crate) path: &'d Path,
@@ -34,17 +35,11 @@ impl<'d> Field<'d> {
     }
 
     /// A number, an integer included.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn number(&self, bounds: &Bounds) -> Result<f64, Error> {
         self.checked(&self.entry.value, bounds)
     }
 
     /// A whole number of `least` or above.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::WholeOutOfBounds`].
     pub fn whole(&self, least: u64) -> Result<u64, Error> {
         let expected = match least {
             0 => "a whole number, zero or above".to_owned(),
@@ -60,17 +55,11 @@ impl<'d> Field<'d> {
     }
 
     /// A list of numbers.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn numbers(&self, bounds: &Bounds) -> Result<Vec<f64>, Error> {
         self.list("a list of numbers")?.iter().map(|(_, item)| self.checked(item, bounds)).collect()
     }
 
     /// A list of lists of numbers.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn rows_of_numbers(&self, bounds: &Bounds) -> Result<Vec<Vec<f64>>, Error> {
         let expected = "a list of lists of numbers";
         let row = |(_, row): &(usize, Value)| match row {
@@ -81,9 +70,6 @@ impl<'d> Field<'d> {
     }
 
     /// The value as a text.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn text(&self) -> Result<&'d str, Error> {
         match &self.entry.value {
             Value::Text(text) => Ok(text),
@@ -97,9 +83,6 @@ impl<'d> Field<'d> {
     }
 
     /// A list of texts.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn texts(&self) -> Result<Vec<&'d str>, Error> {
         let expected = "a list of texts in quotes";
         let text = |(_, item): &'d (usize, Value)| match item {
@@ -110,17 +93,11 @@ impl<'d> Field<'d> {
     }
 
     /// One of several words.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`], or [`KeyProblem::UnknownName`] with the nearest word.
     pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T, Error> {
         self.chosen(self.text()?, choices)
     }
 
     /// A list of such words.
-    ///
-    /// # Errors
-    /// As [`Field::choice`].
     pub fn choices<T: Copy>(&self, choices: &[(&str, T)]) -> Result<Vec<T>, Error> {
         self.texts()?.into_iter().map(|text| self.chosen(text, choices)).collect()
     }
@@ -131,9 +108,6 @@ impl<'d> Field<'d> {
     }
 
     /// `true` or `false`.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn flag(&self) -> Result<bool, Error> {
         match &self.entry.value {
             Value::Flag(flag) => Ok(*flag),

@@ -1,7 +1,6 @@
 //! The `[format]` table of a rig file: how the text of a trace file is written. What it leaves out is found in the file.
 
 use crate::error::Error;
-use crate::key::KeyProblem;
 use crate::table::Table;
 
 /// What stands between the columns of a row.
@@ -108,7 +107,7 @@ impl Format {
         };
         if (format.separator, format.decimal) == (Some(Separator::Byte(b',')), Some(Decimal::Comma)) {
             let problem = "commas separate the columns already; no file can have them before decimals as well";
-            return Err(table.refuse("decimal", KeyProblem::Contradiction(problem.to_owned())));
+            return Err(table.contradiction("decimal", problem));
         }
         Ok(format)
     }

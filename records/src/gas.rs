@@ -69,5 +69,5 @@ fn refuse_another_gas(table: &Table<'_>, name: &str, key: &str, stated: Option<f
     let problem = format!(
         "{stated:?} is not {name}'s, which is {known:?}; leave out the constants, or give the gas that has them another name"
     );
-    Err(table.refuse(key, KeyProblem::Contradiction(problem)))
+    Err(table.contradiction(key, problem))
 }

@@ -3,7 +3,8 @@
 use crate::names::nearest;
 use std::ops::RangeInclusive;
 
-/// What is wrong with a key.
+/// What is wrong with a key: what was found, in the key's unit, and what is known or expected there.
+#[allow(missing_docs)]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyProblem {
@@ -12,55 +13,29 @@ pub enum KeyProblem {
     Unknown {
         /// The known key most like it.
         near: Option<String>,
-        /// All keys known here.
         known: Vec<String>,
     },
     /// A key of another kind of file.
     #[error("belongs to a {kind}, but another kind of file is expected here, with the keys {}", known.join(", "))]
-    OtherFile {
-        /// The kind of file whose key it is.
-        kind: &'static str,
-        /// All keys known here.
-        known: Vec<String>,
-    },
+    OtherFile { kind: &'static str, known: Vec<String> },
     /// A key without which the file says too little.
     #[error("missing; expected {expected}")]
-    Missing {
-        /// What should stand there.
-        expected: String,
-    },
+    Missing { expected: String },
     /// A value of another type.
     #[error("is {found}, expected {expected}")]
-    WrongType {
-        /// What should stand there.
-        expected: String,
-        /// What stands there.
-        found: String,
-    },
+    WrongType { expected: String, found: String },
     /// A number that cannot be.
     #[error("{value:?} is out of range; expected {expected}")]
-    OutOfBounds {
-        /// What the file says, in the unit of the key.
-        value: f64,
-        /// What it may be.
-        expected: String,
-    },
+    OutOfBounds { value: f64, expected: String },
     /// A whole number that cannot be.
     #[error("{value} is out of range; expected {expected}")]
-    WholeOutOfBounds {
-        /// What the file says.
-        value: i64,
-        /// What it may be.
-        expected: String,
-    },
+    WholeOutOfBounds { value: i64, expected: String },
     /// A word that is none of those known.
     #[error("unknown value `{value}`; {}", offer(near, known))]
     UnknownName {
-        /// What the file says.
         value: String,
         /// The known word most like it.
         near: Option<String>,
-        /// All known words.
         known: Vec<String>,
     },
     /// Values that contradict each other, or a value that needs another.

@@ -122,7 +122,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
     if column.gauge {
         column.offset += ambient_pressure_pa.ok_or_else(|| {
             let problem = "gauge pressures count from the surroundings': say [ambient] pressure_pa as well";
-            table.refuse("reference", KeyProblem::Contradiction(problem.to_owned()))
+            table.contradiction("reference", problem)
         })?;
     }
     if let Some(sign) = table.number("sign", &Bounds::Within(-1.0..=1.0, "1 or -1"))? {

@@ -2,7 +2,7 @@
 //! millimetres, bar and degrees Celsius typed where metres, pascal and kelvin are meant.
 
 use crate::error::Error;
-use crate::key::{Bounds, KeyProblem};
+use crate::key::Bounds;
 use crate::table::Table;
 
 /// Bores that a cylinder can have, m.
@@ -33,5 +33,5 @@ pub(crate) fn check_rod(table: &Table<'_>, bore: f64, rod: f64) -> Result<(), Er
         return Ok(());
     }
     let problem = format!("{rod:?} m is not less than the bore, {bore:?} m: there would be no piston area");
-    Err(table.refuse("rod_m", KeyProblem::Contradiction(problem)))
+    Err(table.contradiction("rod_m", problem))
 }

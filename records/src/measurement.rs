@@ -1,7 +1,7 @@
 //! What a rig file says about how well its quantities are known: `[sensor]`, `[accuracy]` and `[tolerance]`.
 
 use crate::error::Error;
-use crate::key::{Bounds, KeyProblem};
+use crate::key::Bounds;
 use crate::table::Table;
 
 /// Default standard deviation of the bore, as a share of it.
@@ -62,21 +62,21 @@ pub(crate) fn read_accuracy(root: &Table<'_>) -> Result<Option<f64>, Error> {
 }
 
 /// How well the stated geometry, ambient temperature and gas are known: standard deviations.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tolerance<T = f64> {
     /// Of the bore, m: 0.5 % of it unless stated.
-    pub bore_m: f64,
+    pub bore_m: T,
     /// Of the position sensor's scale factor, 1: 0.005 unless stated.
-    pub position_scale: f64,
+    pub position_scale: T,
     /// Of each of the four waves by which positions lie off a straight line, as a share of the way that the records show: 0.0002
     /// unless stated.
-    pub position_linearity: f64,
+    pub position_linearity: T,
     /// Of the position's zero, m: 0.5 mm unless stated.
-    pub position_offset_m: f64,
+    pub position_offset_m: T,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
-    pub ambient_temperature_k: f64,
+    pub ambient_temperature_k: T,
     /// Of the gas's heat capacity ratio γ, as a share of it: 0.0005 unless stated, as of air whose humidity is not known.
-    pub heat_capacity_ratio: f64,
+    pub heat_capacity_ratio: T,
 }
 
 impl Tolerance {
@@ -94,21 +94,7 @@ impl Tolerance {
 }
 
 /// `[tolerance]` as the file has it, each key by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct StatedTolerance {
-    /// As in [`Tolerance`].
-    pub bore_m: Option<f64>,
-    /// As in [`Tolerance`].
-    pub position_scale: Option<f64>,
-    /// As in [`Tolerance`].
-    pub position_linearity: Option<f64>,
-    /// As in [`Tolerance`].
-    pub position_offset_m: Option<f64>,
-    /// As in [`Tolerance`].
-    pub ambient_temperature_k: Option<f64>,
-    /// As in [`Tolerance`].
-    pub heat_capacity_ratio: Option<f64>,
-}
+pub type StatedTolerance = Tolerance<Option<f64>>;
 
 impl StatedTolerance {
     pub(crate) fn read(root: &Table<'_>, bore_m: f64) -> Result<Self, Error> {
@@ -121,7 +107,7 @@ impl StatedTolerance {
         if let Some(tolerance) = bore.filter(|tolerance| *tolerance >= 0.5 * bore_m) {
             let problem =
                 format!("{tolerance:?} m is half of the bore, {bore_m:?} m, or more: it is a standard deviation in m");
-            return Err(table.refuse("bore_m", KeyProblem::Contradiction(problem)));
+            return Err(table.contradiction("bore_m", problem));
         }
         Ok(Self {
             bore_m: bore,

@@ -6,14 +6,15 @@
 use crate::ambient;
 use crate::document::{Document, Kind};
 use crate::error::Error;
+use crate::error::trace::TraceProblem;
 use crate::gas::{self, NamedGas};
-use crate::key::{Bounds, KeyProblem};
+use crate::key::Bounds;
 use crate::layout::{Layout, Quantity};
 use crate::limits;
 use crate::measurement::{Sensor, StatedTolerance, Tolerance, read_accuracy};
 use crate::names::repeated;
 use crate::table::Table;
-use crate::trace::{Need, Reading, Trace, TraceProblem, Window};
+use crate::trace::{Need, Reading, Trace, Window};
 use crate::units::Unit;
 use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;
@@ -251,7 +252,7 @@ fn refuse_same_names(tables: &[Table<'_>], plan: &[PlannedExperiment]) -> Result
         "another experiment is named `{}` already; list repeats in one experiment's traces, or choose another name",
         plan[nth].name
     );
-    Err(tables[nth].refuse("name", KeyProblem::Contradiction(problem)))
+    Err(tables[nth].contradiction("name", problem))
 }
 
 /// Refuses rows that are for the most part another record's as well: a copy is no repeat. One test may begin with the rest that
@@ -261,10 +262,7 @@ fn refuse_copy(trace: &Trace, [from_s, to_s]: [f64; 2], seen: &[(String, PathBuf
     const SHARED: f64 = 0.5;
     let is_copied = |[from, to]: [f64; 2]| to_s.min(to) - from_s.max(from) > SHARED * (to_s - from_s).min(to - from);
     match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && is_copied(*other)) {
-        Some((_, other, _)) => {
-            let problem = Box::new(TraceProblem::Copy { other: other.clone() });
-            Err(Error::Trace { path: trace.path.clone(), problem })
-        }
+        Some((_, other, _)) => Err(Error::trace(&trace.path, TraceProblem::Copy { other: other.clone() })),
         None => Ok(()),
     }
 }
@@ -283,7 +281,7 @@ fn check_dead_volume(document: &Document, rig: &Rig, dead_volume: DeadVolume) ->
             swept_m3
         );
         let table = document.root().required_table("cylinder")?;
-        return Err(table.refuse("dead_volume_m3", KeyProblem::Contradiction(problem)));
+        return Err(table.contradiction("dead_volume_m3", problem));
     }
     Ok(())
 }
@@ -295,7 +293,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
     if let Some(area) = table.number("area_m2", &limits::AREA_M2)? {
         if let Some(key) = ["bore_m", "rod_m"].into_iter().find(|key| table.has(key)) {
             let problem = "area_m2 gives the cylinder already; say one of the two";
-            return Err(table.refuse(key, KeyProblem::Contradiction(problem.to_owned())));
+            return Err(table.contradiction(key, problem));
         }
         let bore_m = (4.0 * area / PI).sqrt();
         return Ok(Cylinder { bore_m, rod_through_m: 0.0, piston_area_m2: area, stroke_m });
@@ -316,7 +314,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
 fn missing_rod(table: &Table<'_>) -> Error {
     if table.has("rod_m") {
         let problem = "0 m is no rod; the area of the rod side needs the rod's diameter in m";
-        return table.refuse("rod_m", KeyProblem::Contradiction(problem.to_owned()));
+        return table.contradiction("rod_m", problem);
     }
     table.missing("rod_m", "the rod's diameter in m, which the area of the rod side (chamber = \"rod\") needs")
 }
@@ -337,11 +335,11 @@ fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment
     let traces = table.texts("traces")?.ok_or_else(|| table.missing("traces", expected))?;
     if traces.is_empty() {
         let problem = "an empty list; name at least one trace file";
-        return Err(table.refuse("traces", KeyProblem::Contradiction(problem.to_owned())));
+        return Err(table.contradiction("traces", problem));
     }
     if let Some(twice) = repeated(&traces) {
         let problem = format!("`{twice}` is named twice; repeats are different records");
-        return Err(table.refuse("traces", KeyProblem::Contradiction(problem)));
+        return Err(table.contradiction("traces", problem));
     }
     let window = Window {
         from_s: table.number("from_s", &Bounds::Finite)?.unwrap_or(f64::NEG_INFINITY),
@@ -349,7 +347,7 @@ fn read_experiment(table: &Table<'_>, folder: &Path) -> Result<PlannedExperiment
     };
     if window.to_s <= window.from_s {
         let problem = format!("{:?} s is not after from_s, {:?} s", window.to_s, window.from_s);
-        return Err(table.refuse("to_s", KeyProblem::Contradiction(problem)));
+        return Err(table.contradiction("to_s", problem));
     }
     let traces = traces.iter().map(|trace| folder.join(trace)).collect();
     Ok(PlannedExperiment { name: name.to_owned(), traces, window })

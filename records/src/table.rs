@@ -8,7 +8,8 @@ use crate::value::{Entry, Value};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// A view on one table of a [`Document`](crate::document::Document).
+/// A view on one table of a [`Document`](crate::document::Document). What is asked for by key is `None` where it is missing; a value
+/// that is there is refused as [`Field`] has it.
 #[derive(Clone, Debug)]
 pub struct Table<'d> {
     path: &'d Path,
@@ -20,11 +21,6 @@ pub struct Table<'d> {
 impl<'d> Table<'d> {
     pub(crate) fn new(path: &'d Path, name: &'d str, line: usize, entries: &'d [Entry]) -> Self {
         Self { path, name: name.into(), line, entries }
-    }
-
-    /// Its dotted name, empty for the outermost.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 
     /// Its keys, in the file's order.
@@ -49,9 +45,6 @@ impl<'d> Table<'d> {
     }
 
     /// Refuses keys that are none of `known`.
-    ///
-    /// # Errors
-    /// [`KeyProblem::Unknown`], with the nearest of `known`.
     pub fn allow(&self, known: &[&str]) -> Result<(), Error> {
         let Some(field) = self.fields().find(|field| !known.contains(&field.key())) else { return Ok(()) };
         let near = nearest(field.key(), known.iter().copied()).map(str::to_owned);
@@ -75,112 +68,78 @@ impl<'d> Table<'d> {
         }
     }
 
+    /// A complaint that a key's value contradicts another, or needs one, in the words of `why`.
+    pub fn contradiction(&self, key: &str, why: impl Into<String>) -> Error {
+        self.refuse(key, KeyProblem::Contradiction(why.into()))
+    }
+
     /// A complaint that a key is missing which should hold `expected`.
     pub fn missing(&self, key: &str, expected: &str) -> Error {
         self.refuse(key, KeyProblem::Missing { expected: expected.to_owned() })
     }
 
     /// A number, an integer included.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn number(&self, key: &str, bounds: &Bounds) -> Result<Option<f64>, Error> {
         self.field(key).map(|field| field.number(bounds)).transpose()
     }
 
     /// A number that must be there.
-    ///
-    /// # Errors
-    /// As [`Table::number`], or [`KeyProblem::Missing`].
     pub fn required_number(&self, key: &str, bounds: &Bounds) -> Result<f64, Error> {
         self.number(key, bounds)?.ok_or_else(|| self.missing(key, &bounds.words()))
     }
 
     /// A whole number of zero or above.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::WholeOutOfBounds`].
     pub fn count(&self, key: &str) -> Result<Option<u64>, Error> {
         self.field(key).map(|field| field.whole(0)).transpose()
     }
 
     /// A list of numbers.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn numbers(&self, key: &str, bounds: &Bounds) -> Result<Option<Vec<f64>>, Error> {
         self.field(key).map(|field| field.numbers(bounds)).transpose()
     }
 
     /// A list of lists of numbers.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::OutOfBounds`].
     pub fn rows_of_numbers(&self, key: &str, bounds: &Bounds) -> Result<Option<Vec<Vec<f64>>>, Error> {
         self.field(key).map(|field| field.rows_of_numbers(bounds)).transpose()
     }
 
     /// The text under that key; `None` where the table does not have it.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn text(&self, key: &str) -> Result<Option<&'d str>, Error> {
         self.field(key).map(|field| field.text()).transpose()
     }
 
     /// One of several words.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`], or [`KeyProblem::UnknownName`] with the nearest word.
     pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>, Error> {
         self.field(key).map(|field| field.choice(choices)).transpose()
     }
 
     /// `true` or `false`.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn flag(&self, key: &str) -> Result<Option<bool>, Error> {
         self.field(key).map(|field| field.flag()).transpose()
     }
 
     /// A list of texts.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn texts(&self, key: &str) -> Result<Option<Vec<&'d str>>, Error> {
         self.field(key).map(|field| field.texts()).transpose()
     }
 
     /// The table under that key; `None` where it is missing.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn table(&self, key: &str) -> Result<Option<Table<'d>>, Error> {
         self.field(key).map(|field| field.table()).transpose()
     }
 
     /// A table, without any key where it is missing.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn table_or_empty(&self, key: &str) -> Result<Table<'d>, Error> {
         let empty = || Table { path: self.path, name: self.dotted(key).into(), line: self.line, entries: &[] };
         Ok(self.table(key)?.unwrap_or_else(empty))
     }
 
     /// A table that must be there.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`] or [`KeyProblem::Missing`].
     pub fn required_table(&self, key: &str) -> Result<Table<'d>, Error> {
         self.table(key)?.ok_or_else(|| self.missing(key, &format!("a table [{}]", self.dotted(key))))
     }
 
     /// A list of tables (`[[key]]`); empty where the key is missing.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn tables(&self, key: &str) -> Result<Vec<Table<'d>>, Error> {
         self.field(key).map_or(Ok(Vec::new()), |field| field.tables())
     }
@@ -196,9 +155,6 @@ impl<'d> Table<'d> {
 
 impl<'d> Field<'d> {
     /// The value as a table.
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn table(&self) -> Result<Table<'d>, Error> {
         match &self.entry.value {
             Value::Table(entries) => Ok(Table::new(self.path, &self.entry.name, self.entry.line, entries)),
@@ -207,9 +163,6 @@ impl<'d> Field<'d> {
     }
 
     /// A list of tables (`[[key]]`).
-    ///
-    /// # Errors
-    /// [`KeyProblem::WrongType`].
     pub fn tables(&self) -> Result<Vec<Table<'d>>, Error> {
         let expected = format!("a list of tables [[{}]]", self.entry.name);
         let table = |(line, item): &'d (usize, Value)| match item {

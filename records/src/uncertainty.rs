@@ -44,11 +44,10 @@ impl Uncertainty {
                 return Ok(rows);
             }
             let problem = format!("{} rows for {count} parameters, expected {what}", rows.len());
-            Err(table.refuse(key, KeyProblem::Contradiction(problem)))
+            Err(table.contradiction(key, problem))
         };
-        let contradiction = |key, problem| table.refuse(key, KeyProblem::Contradiction(problem));
         if let Some(twice) = repeated(&parameters) {
-            return Err(contradiction("parameters", format!("`{twice}` is named twice")));
+            return Err(table.contradiction("parameters", format!("`{twice}` is named twice")));
         }
         if let Some(problem) = parameters.iter().find_map(|name| unknown(name)) {
             return Err(table.refuse("parameters", problem));
@@ -57,10 +56,10 @@ impl Uncertainty {
         let covariance = rows("covariance", "a square matrix, a row for each parameter")?;
         let interval = |(row, name): (&Vec<f64>, &&str)| match row[..] {
             [low, high] if low <= high => Ok([low, high]),
-            _ => Err(contradiction("ci95", format!("{row:?} is no interval [low, high] for `{name}`"))),
+            _ => Err(table.contradiction("ci95", format!("{row:?} is no interval [low, high] for `{name}`"))),
         };
         let ci95 = ci95.iter().zip(&parameters).map(interval).collect::<Result<_, _>>()?;
-        check_covariance(&covariance, &parameters).map_err(|problem| contradiction("covariance", problem))?;
+        check_covariance(&covariance, &parameters).map_err(|problem| table.contradiction("covariance", problem))?;
         Ok(Some(Self { parameters: parameters.into_iter().map(str::to_owned).collect(), ci95, covariance }))
     }
 

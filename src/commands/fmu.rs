@@ -2,8 +2,8 @@
 
 use crate::{measured, output};
 use anyhow::Context;
+use fmu::identity::Identity;
 use fmu::package::documentation::About;
-use fmu::package::identity::Identity;
 use fmu::package::validation::Validation;
 use fmu::package::{Contents, Library, Version};
 use fmu::plant::values::{

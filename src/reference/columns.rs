@@ -3,7 +3,7 @@
 use super::{MADE, table};
 use crate::simulation::columns::COLUMNS;
 use records::layout::Quantity;
-use sweep::row::outputs::{OUTPUTS, When};
+use sweep::result::outputs::{OUTPUTS, When};
 use sweep::{quantity, traces};
 
 fn page() -> String {

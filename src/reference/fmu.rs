@@ -1,8 +1,8 @@
 //! The page of the FMU's variables.
 
 use super::{MADE, table};
-use fmu::table::choices::Enumeration;
-use fmu::table::{Role, Type, Variability, Variable};
+use fmu::table::variable::Enumeration;
+use fmu::table::variable::{Role, Type, Variability, Variable};
 use report::number::shortest;
 
 const HEAD: &str = "\

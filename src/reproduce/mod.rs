@@ -9,8 +9,8 @@ mod tables;
 mod trend;
 
 use anyhow::{Context, Result, ensure};
+use fmu::identity::Identity;
 use fmu::package::Version;
-use fmu::package::identity::Identity;
 use paper::geometry_effect::GeometryEffect;
 use paper::measured::Measured;
 use paper::section31::{Section31, Timing};

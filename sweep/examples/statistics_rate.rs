@@ -5,10 +5,10 @@
 
 use std::time::Instant;
 use sweep::Study;
-use sweep::part::{Work, Workers};
 use sweep::row::chunk::CHUNK;
 use sweep::row::solve::RowSolver;
-use sweep::statistics::Plan;
+use sweep::run::work::{Work, Workers};
+use sweep::study::plan::Plan;
 
 /// Rows of a turn: some ten milliseconds, which other work may leave alone. The first ones of a part cost most: it is they that
 /// show how close together its numbers lie.

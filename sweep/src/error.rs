@@ -3,9 +3,10 @@
 use arrow::error::ArrowError;
 use parquet::errors::ParquetError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Why a study was refused or could not be carried out.
+/// Why a study was refused or could not be carried out. Paths are as they were given.
+#[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -14,61 +15,28 @@ pub enum Error {
     Record(records::Error),
     /// A file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// Path of the file, as it was given.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Read { path: PathBuf, source: io::Error },
     /// A file or folder cannot be written.
     #[error("{}: cannot be written: {source}{}", path.display(), advice(source))]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Write { path: PathBuf, source: io::Error },
     /// A table of points that cannot be used.
     #[error("{}: {message}", path.display())]
-    Table {
-        /// Path of the table, as the study gives it.
-        path: PathBuf,
-        /// What is wrong with it and what was expected.
-        message: String,
-    },
+    Table { path: PathBuf, message: String },
     /// An option of the run that cannot be.
     #[error("{0}")]
     Option(String),
     /// A file of the folder that says which study it is.
     #[error("{}: the file is damaged; remove it and run the sweep again: parts that are whole are kept", file.display())]
-    Damaged {
-        /// Its path: the manifest, or the record of the study.
-        file: PathBuf,
-    },
+    Damaged { file: PathBuf },
     /// The folder is another study's.
     #[error("{}: the folder holds another study: {difference}; choose another folder or empty this one", folder.display())]
-    OtherStudy {
-        /// The output folder.
-        folder: PathBuf,
-        /// What differs between the two studies.
-        difference: String,
-    },
+    OtherStudy { folder: PathBuf, difference: String },
     /// A smaller study that this one does not continue.
     #[error("{}: cannot be continued: {why}", folder.display())]
-    NotContinued {
-        /// The smaller study's folder.
-        folder: PathBuf,
-        /// What differs from the beginning of the new study, or is missing.
-        why: String,
-    },
+    NotContinued { folder: PathBuf, why: String },
     /// Parquet that cannot be written or read.
     #[error("{}: {source}", path.display())]
-    Parquet {
-        /// Path of the file, as it was given.
-        path: PathBuf,
-        /// The library's reason.
-        source: ParquetError,
-    },
+    Parquet { path: PathBuf, source: ParquetError },
 }
 
 /// What to do about the most usual reasons for a failed write.
@@ -92,8 +60,23 @@ impl From<records::Error> for Error {
 }
 
 impl Error {
+    /// Why `path` cannot be read: the system's reason.
+    pub(crate) fn reading(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Error::Read { path: path.to_owned(), source }
+    }
+
+    /// What the Parquet library says of the file at `path`.
+    pub(crate) fn parquet(path: &Path) -> impl Fn(ParquetError) -> Self {
+        move |source| Error::Parquet { path: path.to_owned(), source }
+    }
+
+    /// What is wrong with the table of points at `path`.
+    pub(crate) fn table(path: &Path, message: impl Into<String>) -> Self {
+        Error::Table { path: path.to_owned(), message: message.into() }
+    }
+
     /// An error of the Parquet library while `path` was written: the system's reason where there is one.
-    pub(crate) fn writing(path: &std::path::Path, error: ParquetError) -> Self {
+    pub(crate) fn writing(path: &Path, error: ParquetError) -> Self {
         match error {
             ParquetError::External(inner) => match inner.downcast::<io::Error>() {
                 Ok(source) => Error::Write { path: path.to_owned(), source: *source },
@@ -104,7 +87,7 @@ impl Error {
     }
 
     /// An error of the Arrow library on data from or for `path`.
-    pub(crate) fn arrow(path: &std::path::Path, error: ArrowError) -> Self {
+    pub(crate) fn arrow(path: &Path, error: ArrowError) -> Self {
         match error {
             ArrowError::IoError(_, source) => Error::Read { path: path.to_owned(), source },
             other => Error::Parquet { path: path.to_owned(), source: ParquetError::ArrowError(other.to_string()) },

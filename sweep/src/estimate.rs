@@ -1,11 +1,11 @@
 //! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
 
 use crate::error::Error;
-use crate::folder::store::existing;
 use crate::part;
 use crate::part::columns;
 use crate::part::encoding;
 use crate::row::chunk::CHUNK;
+use crate::store::existing;
 use crate::study::Study;
 use parquet::arrow::ArrowWriter;
 use rayon::prelude::*;
@@ -115,17 +115,17 @@ fn synced(folder: &Path, bytes: usize) -> io::Result<f64> {
 
 /// Size of some rows as Parquet.
 fn encode(study: &Study, start: u64, rows: u64) -> Result<usize, Error> {
-    let parquet = |source| Error::Parquet { path: study.path.clone(), source };
+    let parquet = Error::parquet(&study.path);
     let schema = columns::schema(study);
     let properties = encoding::properties(study, &schema, &[]);
-    let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties)).map_err(parquet)?;
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties)).map_err(&parquet)?;
     let mut at = start;
     while at < start + rows {
         let end = (at + CHUNK).min(start + rows);
-        writer.write(&part::batch(study, at..end)?).map_err(parquet)?;
+        writer.write(&part::batch(study, at..end)?).map_err(&parquet)?;
         at = end;
     }
-    Ok(writer.into_inner().map_err(parquet)?.len())
+    Ok(writer.into_inner().map_err(&parquet)?.len())
 }
 
 #[cfg(test)]

@@ -16,9 +16,6 @@ pub fn of_bytes(bytes: &[u8]) -> String {
 }
 
 /// Of a file's contents.
-///
-/// # Errors
-/// It cannot be read.
 pub fn of_file(path: &Path) -> io::Result<String> {
     let mut file = File::open(path)?;
     let mut hash = Sha256::new();

@@ -8,41 +8,50 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`study`] | study files, read and checked: [`Study`] |
+//! | [`error`], `hash`, [`progress`] | what can be wrong, in sentences; SHA-256; how far a run is |
+//! | [`file_names`], [`store`] | what stands where in a study's folder; the folder on a disk or elsewhere |
 //! | [`quantity`] | every number that can be varied, and the values it takes |
+//! | [`result`] | what comes out of a row, and the columns that it becomes |
 //! | [`design`] | which points a study has |
-//! | [`row`] | from a point to a scenario, through the kernel of `ensemble`, to what comes out of it |
+//! | [`study`] | [`Study`]: model, test, design, constraints |
+//! | [`row`] | from a point to a scenario, through the kernel of `ensemble`, to its results |
+//! | [`study_file`] | study files, read and checked |
 //! | [`part`] | rows as a Parquet file |
-//! | [`folder`] | a study's folder and its manifest |
-//! | [`run`](mod@run), [`progress`] | a study carried out, and how far it is |
-//! | [`traces`] | the courses of some rows, as a second table |
 //! | [`statistics`] | what the results come to, with the rows or without |
 //! | `sensitivity` | first-, second- and total-order indices of a Saltelli study |
+//! | [`folder`] | a study's folder and its manifest; rows of an earlier study |
+//! | [`run`](mod@run) | a study carried out |
+//! | [`traces`] | the courses of some rows, as a second table |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
-//! | [`error`], `hash` | what can be wrong, in sentences; SHA-256 |
+//!
+//! Each uses only those above it.
 //!
 //! A row is a pure function of the study and its number. Shards, threads and interruptions make no difference to it.
 
 pub mod design;
 pub mod error;
 pub mod estimate;
+pub mod file_names;
 pub mod folder;
 mod hash;
 pub mod part;
 pub mod progress;
 pub mod quantity;
+pub mod result;
 pub mod row;
 pub mod run;
 mod sensitivity;
 pub mod statistics;
+pub mod store;
 pub mod study;
+pub mod study_file;
 pub mod traces;
 
 pub use error::Error;
 pub use folder::earlier::Earlier;
-pub use folder::store::{Local, Store};
 pub use folder::verify::verify;
 pub use run::shard::Shard;
 pub use run::whole::{run_in_memory, run_to_file};
 pub use run::{Options, Report, run};
+pub use store::{Local, Store};
 pub use study::Study;

@@ -4,15 +4,15 @@
 //! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
 
 use crate::error::Error;
+use crate::file_names::TRACES_PLACE;
 use crate::folder::Folder;
-use crate::folder::file_names::TRACES_PLACE;
-use crate::folder::store::Store;
 use crate::part::columns;
 use crate::part::encoding;
 use crate::part::new_file::NewFile;
 use crate::part::status_column;
+use crate::result::status::Status;
 use crate::row;
-use crate::row::status::Status;
+use crate::store::Store;
 use crate::study::Study;
 use arrow::array::{ArrayRef, Float64Array, Int64Array};
 use arrow::datatypes::{DataType, Schema, SchemaRef};

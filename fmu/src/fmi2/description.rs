@@ -1,13 +1,14 @@
 //! The words of FMI 2.0 in `modelDescription.xml`.
 
 use crate::description::{self, Attributes, Description, Dialect, dependencies, items, of_enumeration};
-use crate::package::identity::Identity;
+use crate::identity::Identity;
 use crate::plant::corners::CORNERS;
 use crate::plant::values::Starts;
-use crate::table::choices::Enumeration;
+use crate::table::settable;
 use crate::table::structure::Unknown;
 use crate::table::units::Quantity;
-use crate::table::{Type, Variable, settable};
+use crate::table::variable::Enumeration;
+use crate::table::variable::{Type, Variable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 

@@ -2,13 +2,14 @@
 
 use super::{indicator_references, time_reference};
 use crate::description::{self, Attributes, Description, Dialect, dependencies, items, of_enumeration};
-use crate::package::identity::Identity;
+use crate::identity::Identity;
 use crate::plant::values::Starts;
-use crate::table::choices::Enumeration;
+use crate::table::settable;
 use crate::table::states::state_of_role;
 use crate::table::structure::Unknown;
 use crate::table::units::Quantity;
-use crate::table::{Type, Variable, settable};
+use crate::table::variable::Enumeration;
+use crate::table::variable::{Type, Variable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 

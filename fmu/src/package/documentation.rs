@@ -1,11 +1,11 @@
 //! The FMU's documentation: a page with equations, variables and a worked example, a picture, the licences.
 
-use super::Contents;
-use super::identity::Identity;
 use super::validation::Validation;
+use crate::identity::Identity;
 use crate::plant::values::Starts;
 use crate::table::effects::{camel, effects_here};
-use crate::table::{Role, Variable, settable, table};
+use crate::table::variable::{Role, Variable};
+use crate::table::{settable, table};
 use crate::xml::{escaped, number};
 use std::fmt::Write;
 
@@ -34,9 +34,8 @@ pub struct About {
     pub records: Vec<String>,
 }
 
-/// Files of the documentation, by name within its folder.
-pub fn files(contents: &Contents<'_>) -> Vec<(&'static str, Vec<u8>)> {
-    let page = page(contents.identity, contents.starts, contents.about, contents.validations);
+/// Files of the documentation with that page, by name within its folder.
+pub fn files(page: String) -> Vec<(&'static str, Vec<u8>)> {
     let mut files = vec![("index.html", page.into_bytes()), ("chamber.svg", PICTURE.into())];
     files.extend(LICENSES.map(|(name, text)| (name, text.into())));
     files

@@ -5,7 +5,7 @@
 
 use super::related::{CSV, Related};
 use super::validation::{self, Validation};
-use crate::plant::leader::{Leader, PUSH_S};
+use crate::plant::leader::{EXPERIMENT_S, Leader, PUSH_S};
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::{Starts, input, output};
 use crate::xml::line;
@@ -16,9 +16,7 @@ pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 /// Steps of the push.
 const PUSH_STEPS: u32 = 10;
 /// Steps of push and hold.
-const STEPS: u32 = 200;
-/// Duration of the experiment, s.
-pub const DURATION_S: f64 = PUSH_S * STEPS as f64 / PUSH_STEPS as f64;
+const STEPS: u32 = PUSH_STEPS * (EXPERIMENT_S / PUSH_S) as u32;
 
 /// Files of the experiments, by name within [`FOLDER`]; none where the start values make no chamber.
 pub fn files(starts: &Starts, validations: &[Validation]) -> Vec<(String, String)> {

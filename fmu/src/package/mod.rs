@@ -3,7 +3,6 @@
 
 pub mod documentation;
 pub mod experiment;
-pub mod identity;
 pub mod related;
 pub mod signatures;
 pub mod validation;
@@ -11,12 +10,12 @@ pub mod validation;
 use crate::description::Description;
 use crate::fmi2;
 use crate::fmi3;
+use crate::identity::Identity;
 use crate::plant::values::Starts;
 use crate::start_values::{self, Block, BlockError};
 use crate::table::units::behind;
 use crate::table::{settable, table};
 use documentation::About;
-use identity::Identity;
 use signatures::SignatureError;
 use std::io::{Cursor, Write};
 use thiserror::Error;
@@ -87,21 +86,18 @@ pub struct Contents<'a> {
     pub libraries: &'a [Library<'a>],
 }
 
-/// Why no FMU could be made.
+/// Why no FMU could be made. Values are in the SI unit; a platform is its folder under `binaries/`.
+#[allow(missing_docs)]
 #[derive(Debug, Error)]
 pub enum PackageError {
     /// A start value that the FMU itself would refuse.
     #[error("{name} = {value}{of} cannot be a start value: it must lie within {min} to {max}{of}", of = behind(unit))]
     StartValue {
-        /// Name of the FMU's variable.
         name: &'static str,
-        /// The model's value for it.
         value: f64,
-        /// SI unit of all three numbers.
         unit: &'static str,
         /// The smallest that `fmi2SetReal` takes.
         min: f64,
-        /// The largest that it takes.
         max: f64,
     },
     /// An FMU without a library runs nowhere.
@@ -109,20 +105,10 @@ pub enum PackageError {
     NoLibrary,
     /// A library that cannot take start values.
     #[error("the library for {platform}: {cause}")]
-    Library {
-        /// Its folder under `binaries/`.
-        platform: String,
-        /// What is wrong with the block of start values in it.
-        cause: BlockError,
-    },
+    Library { platform: String, cause: BlockError },
     /// A library that cannot be signed anew.
     #[error("the library for {platform}: {cause}")]
-    Signature {
-        /// Its folder under `binaries/`.
-        platform: String,
-        /// What is wrong with its code signature.
-        cause: SignatureError,
-    },
+    Signature { platform: String, cause: SignatureError },
     /// The zip cannot hold an entry.
     #[error("the FMU's archive could not be written: {0}")]
     Archive(#[from] zip::result::ZipError),
@@ -162,7 +148,9 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
             add("terminalsAndIcons/terminal.png", documentation::TERMINAL, 0o644)?;
         }
     }
-    for (name, bytes) in documentation::files(contents) {
+    for (name, bytes) in documentation::files(documentation::page(
+        contents.identity, contents.starts, contents.about, contents.validations,
+    )) {
         add(&format!("documentation/{name}"), &bytes, 0o644)?;
     }
     for library in contents.libraries {

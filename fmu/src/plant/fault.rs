@@ -3,41 +3,27 @@
 use chamber::integrate::IntegrationError;
 use thiserror::Error;
 
-/// Why there is no chamber, or no step.
+/// Why there is no chamber, or no step. SI units.
+#[allow(missing_docs)]
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
     /// Parameters that contradict each other.
     #[error("rodDiameter = {rod} m leaves no piston area in bore = {bore} m; it must be less than the bore")]
-    NoPistonArea {
-        /// Diameter of the rod, m.
-        rod: f64,
-        /// Bore of the cylinder, m.
-        bore: f64,
-    },
+    NoPistonArea { rod: f64, bore: f64 },
     /// No room for the gas.
     #[error(
         "position = {position} m leaves the gas a volume of {volume:.3e} m3; it must lie between 0 and 1e9 m3 (deadVolume = {dead_volume:.3e} m3)"
     )]
-    NoVolume {
-        /// Position of the piston, m.
-        position: f64,
-        /// Volume that it leaves the gas, m³.
-        volume: f64,
-        /// Volume at position zero, m³.
-        dead_volume: f64,
-    },
+    NoVolume { position: f64, volume: f64, dead_volume: f64 },
     /// More gas leaves than there is.
     #[error(
         "a step of {step} s would empty the chamber: of {mass:.3e} kg of gas nothing is left after {after:.3e} s, when {outflow:.3e} kg/s leave (massFlowOut, ports and leaks, less what enters); take a shorter step or let less gas out"
     )]
     Emptied {
-        /// Length of the step, s.
         step: f64,
-        /// Mass of the gas at its start, kg.
         mass: f64,
         /// When it is gone, s after that.
         after: f64,
-        /// Net mass flow out of the chamber then, kg/s.
         outflow: f64,
     },
     /// No accurate step exists.
@@ -45,9 +31,7 @@ pub enum Fault {
         "a step of {step} s from t = {time} s cannot be computed accurately ({cause}); the instance keeps the state of t = {time} s"
     )]
     NoStep {
-        /// Length of the step, s.
         step: f64,
-        /// Time at its start, s.
         time: f64,
         /// Why not, as a clause.
         cause: &'static str,
@@ -57,7 +41,6 @@ pub enum Fault {
         "at t = {time} s the gas cannot be compressed or expanded to position ({cause}); the instance stays as it was"
     )]
     NoStroke {
-        /// Time, s.
         time: f64,
         /// Why not, as a clause.
         cause: &'static str,
@@ -66,12 +49,7 @@ pub enum Fault {
     #[error(
         "mass = {mass} kg and internalEnergy = {energy} J make no gas: both must be positive and all states finite"
     )]
-    NoGas {
-        /// Mass of the gas, kg.
-        mass: f64,
-        /// Internal energy of the gas, J.
-        energy: f64,
-    },
+    NoGas { mass: f64, energy: f64 },
     /// A state that is finite but whose outputs are not, such as a sensor far beyond any number.
     #[error("the outputs of this state are too large for a number; restore an earlier state or call fmi2Reset")]
     Overflow,

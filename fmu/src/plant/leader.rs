@@ -6,6 +6,8 @@
 
 /// Duration of the push, s: a tenth of a second, as in the paper's tests.
 pub const PUSH_S: f64 = 0.1;
+/// Duration of push and hold, s.
+pub const EXPERIMENT_S: f64 = 2.0;
 /// Where the push ends, as a share of the position at the start.
 pub const PUSHED_TO: f64 = 0.5;
 

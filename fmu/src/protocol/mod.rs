@@ -5,5 +5,6 @@ pub mod instance;
 pub mod message;
 pub mod phases;
 pub mod refusal;
+pub mod snapshot;
 pub mod state_bytes;
 pub mod warning;

@@ -3,9 +3,9 @@
 //! magic (8) · version (4) · CRC-32 of all that follows (4) · FMU's guid (40) · payload. Bytes are taken only if they are
 //! whole, of this FMU, of this version, and if what they say makes an instance: finite numbers within their bounds.
 
-use super::instance::Snapshot;
 use super::phases::Phase;
 use super::refusal::Refusal;
+use super::snapshot::Snapshot;
 use crate::plant::corners::{CORNERS, Rest, Sides};
 use crate::plant::history::{Reading, Record, Stretch};
 use crate::plant::inputs::{Inputs, ORDERS};

@@ -2,20 +2,10 @@
 //! Boolean.
 
 use super::effects;
-use super::{Role, Type, Variability, Variable, units};
+use super::units;
+use super::variable::{Enumeration, Role, Type, Variability, Variable};
 use crate::plant::values::Choice;
 use chamber::effects::OF_WALL;
-
-/// An enumeration: a type definition of the model description.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Enumeration {
-    /// Name of the type.
-    pub name: &'static str,
-    /// One line for people.
-    pub description: &'static str,
-    /// Names and descriptions of its items, numbered from one.
-    pub items: &'static [(&'static str, &'static str)],
-}
 
 /// Which area exchanges heat.
 pub static AREA_LAW: Enumeration = Enumeration {

@@ -1,7 +1,7 @@
 //! Parameters of the effects, as their cards declare them: a new effect's file makes its variables.
 
 use super::units;
-use super::{Role, Type, Variability, Variable};
+use super::variable::{Role, Type, Variability, Variable};
 use crate::plant::values::BASE;
 use chamber::card::{ActsOn, Card, Kind, Parameter};
 use chamber::effects::empirical::{Curve, Empirical, Term};

@@ -1,8 +1,9 @@
 //! The one table of variables. A variable's value reference is its place in the table. Model description, getters, setters,
 //! saved states and derivatives all read this table.
 //!
-//! | file | variables |
+//! | file | holds |
 //! |---|---|
+//! | [`variable`] | one variable |
 //! | `own` | the chamber's real inputs, outputs and parameters, by hand |
 //! | [`choices`] | parameters that are no numbers, by hand |
 //! | [`effects`] | the effects' parameters, from their cards |
@@ -16,83 +17,15 @@ mod own;
 pub mod states;
 pub mod structure;
 pub mod units;
+pub mod variable;
 
-use crate::plant::values::{Choice, Starts};
-use choices::Enumeration;
+use crate::plant::states::ALL;
+use crate::plant::values::Starts;
 use std::sync::LazyLock;
-use units::Quantity;
+use variable::{Role, Variable};
 
 /// Communication step that the descriptions propose, s.
 pub const STEP_S: f64 = 1e-3;
-
-/// What a variable stands for; indices are places among its like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// A continuous input.
-    Input(usize),
-    /// A continuous output.
-    Output(usize),
-    /// A real parameter.
-    Parameter(usize),
-    /// A parameter that is no number.
-    Choice(Choice),
-    /// A continuous state that is no output.
-    State(usize),
-    /// Rate of a continuous state.
-    Rate(usize),
-}
-
-/// When a variable may change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variability {
-    /// Not after initialisation.
-    Fixed,
-    /// Between steps, or in event mode.
-    Tunable,
-    /// At any time, as inputs, outputs and states do.
-    Continuous,
-}
-
-/// Type of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Type {
-    /// A real number with its unit.
-    Real,
-    /// One of several, by number.
-    Enumeration(&'static Enumeration),
-    /// True or false.
-    Boolean,
-}
-
-/// One variable of the FMU.
-#[derive(Clone, Debug)]
-pub struct Variable {
-    /// Structured name, as hosts know it: `leakage.conductance`, `der(mass)`.
-    pub name: String,
-    /// One line for people.
-    pub description: String,
-    /// What it stands for in the plant.
-    pub role: Role,
-    /// Real, an enumeration or Boolean.
-    pub is: Type,
-    /// Its unit and kind, where it is a number.
-    pub quantity: &'static Quantity,
-    /// When it may change.
-    pub variability: Variability,
-    /// Smallest value accepted.
-    pub min: Option<f64>,
-    /// Largest value accepted.
-    pub max: Option<f64>,
-    /// Order of magnitude.
-    pub nominal: f64,
-}
-
-impl Variable {
-    /// Whether the value lies within the bounds.
-    pub fn admits(&self, value: f64) -> bool {
-        self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)
-    }
-}
 
 /// Every variable; a variable's value reference is its place here.
 pub fn table() -> &'static [Variable] {
@@ -103,6 +36,16 @@ pub fn table() -> &'static [Variable] {
 /// Place of the variable with this role.
 pub fn place(role: Role) -> Option<usize> {
     table().iter().position(|v| v.role == role)
+}
+
+/// Place of the variable that is the continuous state of that index.
+pub fn place_of_state(state: usize) -> Option<usize> {
+    place(states::role_of_state(state))
+}
+
+/// Orders of magnitude of the continuous states.
+pub fn nominals() -> [f64; ALL] {
+    core::array::from_fn(|state| place_of_state(state).map_or(1.0, |place| table()[place].nominal))
 }
 
 /// A start value, or the present value of a variable that a host can set.
@@ -144,6 +87,14 @@ mod tests {
         }
         assert!(names.contains(&"wallHeating.outerConductance".to_owned()));
         assert!(names.contains(&"leakage.criticalPressureRatio".to_owned()));
+    }
+
+    #[test]
+    fn every_state_is_a_variable_with_a_rate() {
+        for state in 0..ALL {
+            assert!(place_of_state(state).is_some() && place(Role::Rate(state)).is_some(), "{state}");
+            assert_eq!(states::state_of_role(states::role_of_state(state)), Some(state));
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! is that of their places in [`crate::plant::values`].
 
 use super::units::{self, Quantity};
-use super::{Role, Type, Variability, Variable};
+use super::variable::{Role, Type, Variability, Variable};
 use crate::plant::values::{INPUTS, OUTPUTS, parameter};
 
 /// A real variable: name, quantity, smallest and largest value, order of magnitude, meaning.

@@ -3,7 +3,7 @@
 
 use super::effects::camel;
 use super::units::{self, Quantity};
-use super::{Role, Type, Variability, Variable, place, table};
+use super::variable::{Role, Type, Variability, Variable};
 use crate::plant::states::{ALL, HEAT, TRAVEL, WORK};
 use crate::plant::values::output;
 use chamber::balance::{ENERGY, MASS, STATES};
@@ -23,16 +23,6 @@ pub fn role_of_state(state: usize) -> Role {
 /// The continuous state that a variable is, if it is one.
 pub fn state_of_role(role: Role) -> Option<usize> {
     (0..ALL).find(|&state| role_of_state(state) == role)
-}
-
-/// Place of the variable that is the continuous state of that index.
-pub fn place_of_state(state: usize) -> Option<usize> {
-    place(role_of_state(state))
-}
-
-/// Orders of magnitude of the continuous states.
-pub fn nominals() -> [f64; ALL] {
-    core::array::from_fn(|state| place_of_state(state).map_or(1.0, |place| table()[place].nominal))
 }
 
 /// The states that are no outputs, and the rates of all.
@@ -69,18 +59,5 @@ fn continuous(name: String, description: String, role: Role, quantity: &'static 
         min: None,
         max: None,
         nominal,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_state_is_a_variable_with_a_rate() {
-        for state in 0..ALL {
-            assert!(place_of_state(state).is_some() && place(Role::Rate(state)).is_some(), "{state}");
-            assert_eq!(state_of_role(role_of_state(state)), Some(state));
-        }
     }
 }

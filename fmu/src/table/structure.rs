@@ -2,7 +2,8 @@
 //! alone and together. A new effect's dependencies follow from its equations; none is listed by hand. One structure serves
 //! both kinds of simulation: it is the union of what each depends on.
 
-use super::{Role, Type, Variable, table};
+use super::table;
+use super::variable::{Role, Type, Variable};
 use crate::plant::derivatives;
 use crate::plant::history::Record;
 use crate::plant::rates::Present;

@@ -4,10 +4,11 @@
 
 use super::described::{Described, Guessed};
 use crate::error::Error;
+use crate::error::trace::{RowProblem, TraceProblem};
 use crate::layout::{Column, Layout, Stated};
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::statistics::{correlation, extremes};
-use crate::trace::{Dialect, RowProblem, Sample, Trace, TraceProblem};
+use crate::trace::{Dialect, Sample, Trace};
 use crate::units::Quantity;
 
 /// Positions that count from anywhere are first read with so much added, m.

@@ -14,9 +14,10 @@ pub mod proposal;
 pub mod readings;
 
 use crate::error::Error;
+use crate::error::trace::TraceProblem;
 use crate::format::{Decimal, Encoding, Format};
 use crate::layout::Layout;
-use crate::trace::{self, Content, Need, Reading, Trace, TraceProblem, Window};
+use crate::trace::{self, Content, Need, Reading, Trace, Window};
 use columns::{Guess, Names};
 use motion::Phase;
 use readings::Readings;
@@ -28,8 +29,7 @@ pub use crate::trace::Dialect;
 fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
         if dialect.place(name).0.is_none() {
-            let problem = Box::new(trace::missing_column(name, dialect, false));
-            return Err(Error::Trace { path: path.to_owned(), problem });
+            return Err(Error::trace(path, trace::missing_column(name, dialect, false)));
         }
     }
     Ok(())
@@ -76,15 +76,14 @@ impl Look {
         let (dialect, encoding, sample) = trace::sample(path, &content, &Layout::default())?;
         check(path, &dialect, names)?;
         if dialect.names.len() < 2 {
-            return Err(Error::Trace { path: path.to_owned(), problem: Box::new(TraceProblem::OneColumn) });
+            return Err(Error::trace(path, TraceProblem::OneColumn));
         }
         if sample.is_empty() {
             let problem = match has_decimal_commas(path, &content) {
                 true => TraceProblem::OtherDecimal { line: dialect.first_row, found: Decimal::Comma.name() },
                 false => TraceProblem::NoRows { line: dialect.header.unwrap_or(1) },
             };
-            let problem = Box::new(problem);
-            return Err(Error::Trace { path: path.to_owned(), problem });
+            return Err(Error::trace(path, problem));
         }
         let mut guess = Guess::from_names(&dialect, &sample, names);
         if !guess.missing().is_empty() {

@@ -48,8 +48,7 @@ impl Content {
             return Err(unreadable(io::Error::new(io::ErrorKind::IsADirectory, reason)));
         }
         if facts.len() > MAX_BYTES {
-            let problem = Box::new(lines::too_large(&format!("{} MB", facts.len() >> 20)));
-            return Err(Error::Trace { path: path.to_owned(), problem });
+            return Err(Error::trace(path, lines::too_large(&format!("{} MB", facts.len() >> 20))));
         }
         Ok(Box::new(File::open(path).map_err(unreadable)?))
     }

@@ -1,8 +1,8 @@
 //! The columns of a trace, matched with the layout.
 
 use super::dialect::Dialect;
-use super::problem::TraceProblem;
 use super::reading::{Need, Reading};
+use crate::error::trace::TraceProblem;
 use crate::format::Separator;
 use crate::layout::{Column, Quantity};
 use crate::names::nearest;

@@ -1,6 +1,6 @@
 //! Rows that are left out of a trace: which, and why. More than one in fifty are refused.
 
-use super::problem::{RowProblem, TraceProblem};
+use crate::error::trace::{RowProblem, TraceProblem};
 use std::fmt;
 
 /// One row in so many may be left out.

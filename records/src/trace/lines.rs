@@ -1,6 +1,6 @@
 //! The lines of a text file with their numbers: decoded to UTF-8, bounded in memory, the file's bytes hashed on the way.
 
-use super::problem::TraceProblem;
+use crate::error::trace::TraceProblem;
 use crate::format::Encoding;
 use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use encoding_rs_io::DecodeReaderBytesBuilder;

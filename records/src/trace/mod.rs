@@ -14,9 +14,9 @@ mod left_out;
 mod line_numbers;
 mod lines;
 mod order;
-pub(crate) mod problem;
 mod read;
 mod reading;
+mod record;
 mod rest;
 mod rows;
 mod sample;
@@ -28,84 +28,7 @@ pub use fields::texts as fields_of_line;
 pub(crate) use header::missing_column;
 pub use left_out::LeftOut;
 pub use line_numbers::LineNumbers;
-pub use problem::{RowProblem, TraceProblem};
 pub use reading::{Need, Reading, Window};
+pub use record::Trace;
 pub(crate) use rest::movement_threshold;
 pub use sample::{Sample, near_column, sample};
-
-use crate::error::Error;
-use keep::keep_rows;
-use std::path::{Path, PathBuf};
-
-/// A record as it was measured (or a motion as it is planned). All vectors have the same length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trace {
-    /// The file it was read from.
-    pub path: PathBuf,
-    /// SHA-256 of the file's bytes, 64 hexadecimal digits.
-    pub sha256: String,
-    /// Time, s, as in the file.
-    pub time_s: Vec<f64>,
-    /// What the sensor showed, Pa, absolute; absent in a planned motion.
-    pub pressure_pa: Option<Vec<f64>>,
-    /// Distance of the piston face from the chamber's end, m.
-    pub position_m: Vec<f64>,
-    /// Temperature of the surroundings, K, where it was recorded.
-    pub ambient_temperature_k: Option<Vec<f64>>,
-    /// Temperature that a sensor in the gas showed, K, where there was one.
-    pub gas_temperature_k: Option<Vec<f64>>,
-    /// Mass flow into the chamber, kg/s, negative out of it.
-    pub mass_flow_kg_per_s: Option<Vec<f64>>,
-    /// Lines of the rows in the file.
-    pub lines: LineNumbers,
-    /// Rows of the file that could not be used, by line; at most one in fifty.
-    pub left_out: Vec<LeftOut>,
-    /// Whether the file's rows came in another order than that of time.
-    pub sorted: bool,
-}
-
-impl Trace {
-    /// Reads a trace file.
-    ///
-    /// # Errors
-    /// [`Error`] names the file, the line, the column and the value.
-    pub fn read(path: &Path, reading: &Reading<'_>) -> Result<Self, Error> {
-        read::read(path, &Content::File, reading)
-    }
-
-    /// Reads a trace of which there may be a copy only.
-    pub(crate) fn read_content(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Self, Error> {
-        read::read(path, content, reading)
-    }
-
-    /// Keeps the rows for which it says so, in every column.
-    pub fn retain(&mut self, keep: &[bool]) {
-        let Self { pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s, .. } = self;
-        let columns = [pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s].into_iter().flatten();
-        columns.chain([&mut self.time_s, &mut self.position_m]).for_each(|column| keep_rows(column, keep));
-        self.lines.retain(keep);
-    }
-
-    /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.
-    pub fn notes(&self) -> Vec<String> {
-        let sorted = self.sorted.then(|| "the rows are not in the order of time and were sorted".to_owned());
-        let path = self.path.display();
-        sorted.into_iter().chain(left_out::sentence(&self.left_out)).map(|note| format!("{path}: {note}")).collect()
-    }
-
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.time_s.len()
-    }
-
-    /// Whether there are no rows: never so for a trace that was read.
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
-    /// Number of rows from the first on over which the piston has not yet moved: all of them where it never moves, 1
-    /// where it moves from the first row on.
-    pub fn rows_at_rest(&self) -> usize {
-        rest::rows_at_rest(&self.position_m)
-    }
-}

@@ -1,15 +1,15 @@
 //! Reading a trace: the file's first lines tell how it is written, then each row is read where it stands.
 
-use super::Trace;
 use super::content::Content;
 use super::dialect::Dialect;
 use super::excel;
 use super::header::Header;
 use super::lines::{Lines, Stop};
-use super::problem::TraceProblem;
 use super::reading::Reading;
+use super::record::Trace;
 use super::rows::{ReadRows, Rows};
 use crate::error::Error;
+use crate::error::trace::TraceProblem;
 use crate::format::Format;
 use crate::layout::{Layout, Quantity};
 use std::path::Path;
@@ -17,31 +17,42 @@ use std::path::Path;
 /// The least rows that are a record.
 const MIN_ROWS: usize = 3;
 
-pub(super) fn read(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Trace, Error> {
-    with_lines(path, content, reading.layout, |lines| {
-        let dialect = dialect(lines, reading.layout)?;
-        let header = match Header::read(&dialect, reading) {
-            Ok(header) => header,
-            Err(problem) => return Err(with_cause(problem, &dialect, lines, reading.layout)?.into()),
-        };
-        let table = read_rows(lines, &dialect, &header, reading)?;
-        no_excel_days(&header, &table.columns[0])?;
-        let mut columns = table.columns.into_iter();
-        let mut next = |quantity| header.place(quantity).map(|_| columns.next().unwrap_or_default());
-        Ok(Trace {
-            path: path.to_owned(),
-            sha256: lines.sha256(),
-            time_s: next(Quantity::Time).unwrap_or_default(),
-            pressure_pa: next(Quantity::Pressure),
-            position_m: next(Quantity::Position).unwrap_or_default(),
-            ambient_temperature_k: next(Quantity::AmbientTemperature),
-            gas_temperature_k: next(Quantity::GasTemperature),
-            mass_flow_kg_per_s: next(Quantity::MassFlow),
-            lines: table.lines,
-            left_out: table.left_out,
-            sorted: table.sorted,
+impl Trace {
+    /// Reads a trace file.
+    ///
+    /// # Errors
+    /// [`Error`] names the file, the line, the column and the value.
+    pub fn read(path: &Path, reading: &Reading<'_>) -> Result<Self, Error> {
+        Self::read_content(path, &Content::File, reading)
+    }
+
+    /// Reads a trace of which there may be a copy only.
+    pub(crate) fn read_content(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Self, Error> {
+        with_lines(path, content, reading.layout, |lines| {
+            let dialect = dialect(lines, reading.layout)?;
+            let header = match Header::read(&dialect, reading) {
+                Ok(header) => header,
+                Err(problem) => return Err(with_cause(problem, &dialect, lines, reading.layout)?.into()),
+            };
+            let table = read_rows(lines, &dialect, &header, reading)?;
+            no_excel_days(&header, &table.columns[0])?;
+            let mut columns = table.columns.into_iter();
+            let mut next = |quantity| header.place(quantity).map(|_| columns.next().unwrap_or_default());
+            Ok(Trace {
+                path: path.to_owned(),
+                sha256: lines.sha256(),
+                time_s: next(Quantity::Time).unwrap_or_default(),
+                pressure_pa: next(Quantity::Pressure),
+                position_m: next(Quantity::Position).unwrap_or_default(),
+                ambient_temperature_k: next(Quantity::AmbientTemperature),
+                gas_temperature_k: next(Quantity::GasTemperature),
+                mass_flow_kg_per_s: next(Quantity::MassFlow),
+                lines: table.lines,
+                left_out: table.left_out,
+                sorted: table.sorted,
+            })
         })
-    })
+    }
 }
 
 /// Opens the file and works on its lines; whatever stops that names the file.
@@ -58,7 +69,7 @@ pub(super) fn with_lines<T>(
     });
     done.map_err(|stop| match stop {
         Stop::Io(source) => Error::Read { path: path.to_owned(), source },
-        Stop::Problem(problem) => Error::Trace { path: path.to_owned(), problem: Box::new(problem) },
+        Stop::Problem(problem) => Error::trace(path, problem),
     })
 }
 

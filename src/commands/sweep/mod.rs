@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use summaries::{earlier_summary, estimate_summary, size_summary, summary, traces_summary};
 use sweep::estimate::{Estimate, calibrate, most_bytes};
-use sweep::folder::{Folder, file_names};
-use sweep::study::{Overrides, SOLVERS};
+use sweep::file_names;
+use sweep::folder::Folder;
+use sweep::study_file::{Overrides, SOLVERS};
 use sweep::{Earlier, Options, Shard, Store, Study, traces};
 
 /// Run a parameter study of the push-and-hold test and write it as a folder of Parquet files

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Duration;
 use sweep::estimate::Estimate;
-use sweep::folder::file_names;
+use sweep::file_names;
 use sweep::{Earlier, Report, Shard, Study, traces};
 
 /// A number of parts in words.

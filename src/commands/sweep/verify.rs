@@ -5,7 +5,7 @@ use crate::{output, stores};
 use anyhow::bail;
 use std::fmt::Write;
 use std::path::Path;
-use sweep::folder::file_names;
+use sweep::file_names;
 use sweep::folder::verify::Report;
 
 /// Parts that are told by name when a folder does not hold what its manifest says.

@@ -47,23 +47,21 @@ impl Table {
     /// # Errors
     /// The file cannot be read, has another ending or no rows.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let read = |source| Error::Read { path: path.to_owned(), source };
         let (names, rows, kind) = match path.extension().and_then(|e| e.to_str()) {
             Some("parquet") => {
-                let file = File::open(path).map_err(read)?;
+                let file = File::open(path).map_err(Error::reading(path))?;
                 let metadata = unbroken(path, || {
-                    ArrowReaderMetadata::load(&file, ArrowReaderOptions::new())
-                        .map_err(|source| Error::Parquet { path: path.to_owned(), source })
+                    ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()).map_err(Error::parquet(path))
                 })?;
                 let names = metadata.schema().fields().iter().map(|f| f.name().clone()).collect();
                 let rows = metadata.metadata().file_metadata().num_rows() as u64;
                 (names, rows, Kind::Parquet(metadata))
             }
             Some("csv") => index_csv(path)?,
-            _ => return Err(refuse(path, "expected a Parquet or CSV file, whose name ends in .parquet or .csv")),
+            _ => return Err(Error::table(path, "expected a Parquet or CSV file, whose name ends in .parquet or .csv")),
         };
         if rows == 0 {
-            return Err(refuse(path, "the table has no rows; expected one for each point"));
+            return Err(Error::table(path, "the table has no rows; expected one for each point"));
         }
         let columns = (0..names.len()).collect();
         Ok(Self { path: path.to_owned(), rows, columns, allowed: Vec::new(), names, kind })
@@ -106,7 +104,7 @@ impl Table {
             self.fill(start..end, &mut columns)?;
             for (i, number) in (start..end).enumerate() {
                 let values: Vec<f64> = columns.iter().map(|column| column[i]).collect();
-                row(&values).map_err(|why| refuse(&self.path, format!("row {number}: {why}")))?;
+                row(&values).map_err(|why| Error::table(&self.path, format!("row {number}: {why}")))?;
             }
         }
         Ok(())
@@ -129,15 +127,14 @@ impl Table {
         rows: Range<u64>,
         columns: &mut [Vec<f64>],
     ) -> Result<(), Error> {
-        let parquet = |source| Error::Parquet { path: self.path.clone(), source };
-        let file = File::open(&self.path).map_err(|source| Error::Read { path: self.path.clone(), source })?;
+        let file = File::open(&self.path).map_err(Error::reading(&self.path))?;
         let mask = ProjectionMask::roots(metadata.parquet_schema(), self.columns.iter().copied());
         let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
             .with_projection(mask)
             .with_offset(rows.start as usize)
             .with_limit((rows.end - rows.start) as usize)
             .build()
-            .map_err(parquet)?;
+            .map_err(Error::parquet(&self.path))?;
         let mut at = rows.start;
         for batch in reader {
             let batch = batch.map_err(|error| Error::arrow(&self.path, error))?;
@@ -147,7 +144,7 @@ impl Table {
         if at == rows.end {
             Ok(())
         } else {
-            Err(refuse(&self.path, "the file holds fewer rows than its header says; write it again"))
+            Err(Error::table(&self.path, "the file holds fewer rows than its header says; write it again"))
         }
     }
 
@@ -156,17 +153,20 @@ impl Table {
             let name = &self.names[place];
             let array = batch
                 .column_by_name(name)
-                .ok_or_else(|| refuse(&self.path, format!("column `{name}` is missing in some row groups")))?;
+                .ok_or_else(|| Error::table(&self.path, format!("column `{name}` is missing in some row groups")))?;
             let numeric = array.data_type().is_numeric();
             let numbers = if numeric { cast(array, &DataType::Float64).ok() } else { None };
             let numbers = numbers.ok_or_else(|| {
-                refuse(&self.path, format!("column `{name}` holds {}; expected numbers", array.data_type()))
+                Error::table(&self.path, format!("column `{name}` holds {}; expected numbers", array.data_type()))
             })?;
             let numbers: &Float64Array = numbers.as_primitive::<Float64Type>();
             for i in 0..numbers.len() {
                 if numbers.is_null(i) || !numbers.value(i).is_finite() {
                     let row = first_row + i as u64;
-                    return Err(refuse(&self.path, format!("column `{name}`, row {row}: expected a finite number")));
+                    return Err(Error::table(
+                        &self.path,
+                        format!("column `{name}`, row {row}: expected a finite number"),
+                    ));
                 }
                 let value = numbers.value(i);
                 self.check_allowed(c, value, || format!("column `{name}`, row {}", first_row + i as u64))?;
@@ -182,22 +182,22 @@ impl Table {
             None => Ok(()),
             Some(allowed) => {
                 let message = format!("{}: is {}, but has to be {allowed}", place(), shortest(value));
-                Err(refuse(&self.path, message))
+                Err(Error::table(&self.path, message))
             }
         }
     }
 
     fn fill_from_csv(&self, places: &[(u64, u64)], rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
-        let read = |source| Error::Read { path: self.path.clone(), source };
+        let read = Error::reading(&self.path);
         let (byte, mut line) = places[(rows.start / STRIDE) as usize];
-        let mut reader = BufReader::new(File::open(&self.path).map_err(read)?);
-        reader.seek(SeekFrom::Start(byte)).map_err(read)?;
+        let mut reader = BufReader::new(File::open(&self.path).map_err(&read)?);
+        reader.seek(SeekFrom::Start(byte)).map_err(&read)?;
         let mut row = rows.start / STRIDE * STRIDE;
         let mut text = String::new();
         while row < rows.end {
             text.clear();
-            if reader.read_line(&mut text).map_err(read)? == 0 {
-                return Err(refuse(&self.path, "the table became shorter while it was read"));
+            if reader.read_line(&mut text).map_err(&read)? == 0 {
+                return Err(Error::table(&self.path, "the table became shorter while it was read"));
             }
             line += 1;
             if text.trim().is_empty() {
@@ -215,7 +215,7 @@ impl Table {
         let fields = records::fields_of_line(text, COMMA);
         if fields.len() != self.names.len() {
             let (found, expected) = (fields.len(), self.names.len());
-            return Err(refuse(
+            return Err(Error::table(
                 &self.path,
                 format!("line {line}: {found} values; expected {expected}, one for each column of the header"),
             ));
@@ -226,7 +226,7 @@ impl Table {
                     "" => "the field is empty; expected a number".to_owned(),
                     text => format!("`{text}` is not a finite number (decimal point, no unit)"),
                 };
-                refuse(&self.path, format!("line {line}, column `{}`: {what}", self.names[place]))
+                Error::table(&self.path, format!("line {line}, column `{}`: {what}", self.names[place]))
             })?;
             self.check_allowed(c, number, || format!("line {line}, column `{}`", self.names[place]))?;
             column.push(number);
@@ -237,30 +237,30 @@ impl Table {
 
 /// The Parquet library panics on some damaged files; they are refused here like any other.
 fn unbroken<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(refuse(path, "the Parquet file is damaged")))
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Error::table(path, "the Parquet file is damaged")))
 }
 
 /// Reads a CSV file once: its header, its number of rows and where every [`STRIDE`]-th begins.
 fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
-    let read = |source| Error::Read { path: path.to_owned(), source };
-    let mut reader = BufReader::new(File::open(path).map_err(read)?);
+    let read = Error::reading(path);
+    let mut reader = BufReader::new(File::open(path).map_err(&read)?);
     let mut text = String::new();
-    let mut byte = reader.read_line(&mut text).map_err(read)? as u64;
+    let mut byte = reader.read_line(&mut text).map_err(&read)? as u64;
     let header = text.trim_start_matches('\u{feff}').trim();
     let names: Vec<String> = records::fields_of_line(header, COMMA).into_iter().map(str::to_owned).collect();
     if let ([_], Some(separator)) = (&names[..], header.chars().find(|c| matches!(c, ';' | '\t'))) {
         let message =
             format!("line 1: its columns are separated by {separator:?}; expected commas, and decimal points");
-        return Err(refuse(path, message));
+        return Err(Error::table(path, message));
     }
     if let Some(twice) = records::repeated(&names) {
-        return Err(refuse(path, format!("line 1: two columns are named `{twice}`; expected different names")));
+        return Err(Error::table(path, format!("line 1: two columns are named `{twice}`; expected different names")));
     }
     let (mut rows, mut line, mut places) = (0, 1, Vec::new());
     let mut bytes = Vec::new();
     loop {
         bytes.clear();
-        let length = reader.read_until(b'\n', &mut bytes).map_err(read)?;
+        let length = reader.read_until(b'\n', &mut bytes).map_err(&read)?;
         if length == 0 {
             return Ok((names, rows, Kind::Csv(places)));
         }
@@ -273,10 +273,6 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
         byte += length as u64;
         line += 1;
     }
-}
-
-fn refuse(path: &Path, message: impl Into<String>) -> Error {
-    Error::Table { path: path.to_owned(), message: message.into() }
 }
 
 #[cfg(test)]

@@ -4,33 +4,30 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`file_names`], `record` | what stands where; what is known of a part |
+//! | `record` | what is known of a part |
 //! | `differing` | in which entries two studies differ |
-//! | [`store`] | where the folder is: on a disk or elsewhere |
 //! | [`earlier`] | rows that a smaller study has solved already |
 //! | [`verify`] | whether it holds what its manifest says |
 
 mod differing;
 pub mod earlier;
-pub mod file_names;
 pub(crate) mod record;
-pub mod store;
 pub mod verify;
 
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use crate::hash;
-use crate::part::Written;
 use crate::part::columns;
 use crate::part::new_file::Digest;
+use crate::part::status_column::StatusCounts;
 use crate::statistics::State;
+use crate::store::{LocalFile, Store};
 use crate::study::Study;
 use differing::differing;
-use file_names::{MANIFEST, OF_THE_STUDY, RECORDS, ROWS, STUDY};
 use record::{Record, statuses_of};
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
-use store::{LocalFile, Store};
 
 /// A study's folder.
 pub struct Folder<'a> {
@@ -86,9 +83,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Makes the folder the study's.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn prepare(&self) -> Result<(), Error> {
         let name = format!("{RECORDS}/{STUDY}");
         if self.store.length(&name).map_err(self.reading(&name))?.is_some() {
@@ -100,9 +94,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Where files are made.
-    ///
-    /// # Errors
-    /// It cannot be made.
     pub fn staging(&self) -> Result<PathBuf, Error> {
         self.store.staging().map_err(self.writing(""))
     }
@@ -129,9 +120,6 @@ impl<'a> Folder<'a> {
     }
 
     /// A part on the disk.
-    ///
-    /// # Errors
-    /// It cannot be read.
     pub fn local_part(&self, part: u64) -> Result<LocalFile, Error> {
         let name = self.part_file(part);
         self.store.local(&name).map_err(self.reading(&name))
@@ -143,22 +131,13 @@ impl<'a> Folder<'a> {
     }
 
     /// A part's record, to be written before the part gets its name.
-    pub fn record(&self, part: u64, written: &Written) -> Record {
+    pub fn record(&self, part: u64, statuses: StatusCounts, file: Option<Digest>, statistics: Option<State>) -> Record {
         let rows = self.study.rows_of(part);
-        Record {
-            study_sha256: self.identity.clone(),
-            first_row: rows.start,
-            rows: rows.end - rows.start,
-            statuses: written.statuses.clone(),
-            file: written.file.as_ref().map(|file| file.digest().clone()),
-            statistics: written.statistics.clone(),
-        }
+        let (first_row, rows) = (rows.start, rows.end - rows.start);
+        Record { study_sha256: self.identity.clone(), first_row, rows, statuses, file, statistics }
     }
 
     /// Makes a part's record last.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn write_record(&self, part: u64, record: &Record) -> Result<(), Error> {
         let text = serde_json::to_string(record).unwrap_or_default() + "\n";
         let name = self.record_file(part);
@@ -255,9 +234,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Removes what killed runs left of the parts that `mine` says yes to: temporary files that nobody has locked.
-    ///
-    /// # Errors
-    /// The folder cannot be read.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
         let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
@@ -268,9 +244,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Removes a manifest that says more than is there.
-    ///
-    /// # Errors
-    /// It cannot be removed.
     pub fn remove_manifest(&self) -> Result<(), Error> {
         self.store.remove(MANIFEST).map_err(self.writing(MANIFEST))
     }
@@ -281,9 +254,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Writes a result for programs beside the parts, unless it is there already.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
         self.write_changed(name, &pretty(value))
     }
@@ -297,9 +267,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Writes a result for programs beside the parts, and before it its record.
-    ///
-    /// # Errors
-    /// One of the two cannot be written.
     pub fn write_result(&self, name: &str, value: &Value) -> Result<(), Error> {
         let text = pretty(value);
         self.record_result(name, &Digest { sha256: hash::of_bytes(text.as_bytes()), bytes: text.len() as u64 })?;
@@ -307,9 +274,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Makes last what a result is to hold, before it is there.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn record_result(&self, place: &str, digest: &Digest) -> Result<(), Error> {
         self.write_json(&file_names::record_of_result(place), &json!(digest))
     }
@@ -330,9 +294,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Brings a manifest that is there up to date with the results; without one, the run that finishes the study writes it.
-    ///
-    /// # Errors
-    /// It cannot be read or written.
     pub fn renew_manifest(&self) -> Result<(), Error> {
         let Some(text) = self.store.read(MANIFEST).map_err(self.reading(MANIFEST))? else { return Ok(()) };
         let Ok(mut manifest) = serde_json::from_slice::<Value>(&text) else { return Ok(()) };
@@ -341,9 +302,6 @@ impl<'a> Folder<'a> {
     }
 
     /// Writes the manifest: the study, its columns, its parts and its results.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn write_manifest(&self, parts: &[Record]) -> Result<(), Error> {
         let total = statuses_of(parts);
         let files = parts.iter().enumerate().filter_map(|(i, part)| {

@@ -1,10 +1,10 @@
 //! What is known of a part without its rows: a file of its own, which is there before the part.
 
-use super::file_names::RECORDS;
-use super::store::Store;
+use crate::file_names::RECORDS;
 use crate::part::new_file::Digest;
 use crate::part::status_column::{StatusCounts, add_counts};
 use crate::statistics::State;
+use crate::store::Store;
 use serde::{Deserialize, Serialize};
 
 /// What is known of a part.

@@ -1,10 +1,10 @@
 //! Whether a finished study's folder holds what its manifest says, byte for byte.
 
-use super::file_names::{self, MANIFEST, RECORDS, RESULTS, ROWS, STUDY};
 use super::record;
-use super::store::Store;
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, RECORDS, RESULTS, ROWS, STUDY};
 use crate::part::new_file::Digest;
+use crate::store::Store;
 use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::Value;
@@ -59,7 +59,7 @@ struct Named {
 /// The study is not finished, or the manifest cannot be read or is none.
 pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     let path = store.place().join(MANIFEST);
-    let text = store.read(MANIFEST).map_err(|source| Error::Read { path: path.clone(), source })?;
+    let text = store.read(MANIFEST).map_err(Error::reading(&path))?;
     let text = text.ok_or_else(|| not_finished(store))?;
     let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
         let reason = error.to_string();
@@ -114,8 +114,7 @@ fn is_there(store: &dyn Store, part: &str) -> bool {
 fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, Error> {
     let mut found = Vec::new();
     for place in RESULTS.into_iter().filter(|place| named.iter().all(|named| named.file != *place)) {
-        let length = store.length(place);
-        if length.map_err(|source| Error::Read { path: store.place().join(place), source })?.is_some() {
+        if store.length(place).map_err(Error::reading(&store.place().join(place)))?.is_some() {
             found.push(place);
         }
     }
@@ -124,7 +123,7 @@ fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, 
 
 /// Files among the parts that are none. Readers pass over names that begin with a dot or an underscore.
 fn foreign(store: &dyn Store, parts: &[Part]) -> Result<Vec<String>, Error> {
-    let names = store.names(ROWS).map_err(|source| Error::Read { path: store.place().join(ROWS), source })?;
+    let names = store.names(ROWS).map_err(Error::reading(&store.place().join(ROWS)))?;
     let seen = names.into_iter().filter(|name| !name.starts_with(['.', '_'])).map(|name| format!("{ROWS}/{name}"));
     Ok(seen.filter(|name| parts.iter().all(|part| part.named.file != *name)).collect())
 }

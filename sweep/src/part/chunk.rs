@@ -24,9 +24,6 @@ pub struct Packer {
 
 impl Packer {
     /// With one of zstd's levels.
-    ///
-    /// # Errors
-    /// There is no memory.
     pub fn new(level: ZstdLevel) -> Result<Self> {
         Ok(Self { level, compressor: Compressor::new(level.compression_level())? })
     }
@@ -79,9 +76,6 @@ impl Chunk {
     }
 
     /// Adds a page of so many values that later pages name by their places. It comes first.
-    ///
-    /// # Errors
-    /// It cannot be compressed.
     pub fn dictionary(&mut self, packer: &mut Packer, count: usize, values: &[u8]) -> Result<()> {
         let mut data = Vec::new();
         packer.pack(values, &mut data)?;
@@ -98,9 +92,6 @@ impl Chunk {
     }
 
     /// Adds a page.
-    ///
-    /// # Errors
-    /// It cannot be compressed.
     pub fn page(&mut self, packer: &mut Packer, page: &Page<'_>) -> Result<()> {
         let &Page { rows, nulls, levels, values } = page;
         let mut data = Vec::with_capacity(levels.len() + compress_bound(values.len()));

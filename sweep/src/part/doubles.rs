@@ -50,9 +50,6 @@ impl Doubles {
     }
 
     /// Adds values.
-    ///
-    /// # Errors
-    /// They cannot be compressed.
     pub fn write(&mut self, packer: &mut Packer, values: &Float64Array) -> Result<()> {
         let mut begin = 0;
         while begin < values.len() {
@@ -108,9 +105,6 @@ impl Doubles {
     }
 
     /// The column's bytes, and what its metadata says of them.
-    ///
-    /// # Errors
-    /// The rest cannot be compressed.
     pub fn close(mut self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         if !self.valid.is_empty() {
             self.end_page(packer)?;

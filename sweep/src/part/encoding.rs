@@ -1,5 +1,6 @@
 //! How a table is encoded as Parquet: compression, row groups and pages, the encoding of each column, and the metadata.
 
+use crate::design::Design;
 use crate::row::chunk::CHUNK;
 use crate::study::Study;
 use arrow::datatypes::{DataType, Schema, SchemaRef};
@@ -66,6 +67,6 @@ pub fn of_columns(schema: &Schema, is_discrete: impl Fn(&str) -> bool) -> Writer
 /// Whether a column has few values, so that a dictionary serves it.
 fn is_discrete(study: &Study, name: &str) -> bool {
     let axes = study.design.axes().iter().zip(&study.varied);
-    let factorial = study.design.name() == "factorial";
+    let factorial = matches!(study.design, Design::Factorial(_));
     axes.into_iter().any(|(axis, varied)| varied.column == name && (factorial || axis.is_discrete()))
 }

@@ -1,4 +1,4 @@
-//! One part: rows computed chunk by chunk and written as they come.
+//! Rows as a Parquet file: one part of a study, or all of it.
 //!
 //! | module | holds |
 //! |---|---|
@@ -20,154 +20,14 @@ pub(crate) mod status_column;
 pub(crate) mod texts;
 
 use crate::error::Error;
-use crate::folder::earlier::{Earlier, EarlierReader};
-use crate::progress::Progress;
-use crate::row::chunk::chunks;
-use crate::row::solve::{RowSolver, Rows};
-use crate::statistics::{Plan, State};
+use crate::row::solve::RowSolver;
 use crate::study::Study;
 use arrow::record_batch::RecordBatch;
-use new_file::{Ended, NewFile};
-use rayon::prelude::*;
-use serde_json::json;
-use status_column::{StatusCounts, Statuses};
+use status_column::Statuses;
 use std::ops::Range;
-use std::path::Path;
-
-/// Chunks of one file that are in memory for each thread.
-const CHUNKS_PER_THREAD: usize = 4;
 
 /// Some rows of a study as Arrow.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     let rows = RowSolver::new(study).rows(rows)?;
     columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))
-}
-
-/// How the rows of one file are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Workers {
-    /// By the calling thread: others are busy with other files.
-    One,
-    /// By all threads of the pool.
-    All,
-}
-
-/// Where a part's rows go.
-pub struct Place<'a> {
-    /// Final path of the file, for error messages.
-    pub path: &'a Path,
-    /// The folder it is written in until it is whole.
-    pub staging: &'a Path,
-    /// Further entries of its metadata.
-    pub extra: &'a [(&'a str, String)],
-}
-
-/// How the rows of one file are computed, and what is made of them.
-#[derive(Clone, Copy)]
-pub struct Work<'a> {
-    /// The study whose rows they are.
-    pub study: &'a Study,
-    /// The statistics to make of them, if any.
-    pub plan: Option<&'a Plan>,
-    /// A smaller study whose rows are taken instead of solved again.
-    pub earlier: Option<&'a Earlier>,
-    /// Who computes.
-    pub workers: Workers,
-    /// Told of the rows.
-    pub progress: &'a dyn Progress,
-}
-
-impl<'a> Work<'a> {
-    /// All rows solved, by all threads, without statistics.
-    pub fn new(study: &'a Study, progress: &'a dyn Progress) -> Self {
-        Self { study, plan: None, earlier: None, workers: Workers::All, progress }
-    }
-
-    /// Computes some rows of the study, into a new file where there is a place for one, which is still to be published.
-    ///
-    /// # Errors
-    /// The file cannot be written, or a table of points cannot be read; nothing remains then.
-    pub fn write(&self, rows: Range<u64>, place: Option<&Place<'_>>) -> Result<Written, Error> {
-        let study = self.study;
-        let schema = columns::schema(study);
-        let create = |place: &Place<'_>| {
-            let properties = encoding::properties(study, &schema, place.extra);
-            NewFile::create(place.staging, place.path, schema.clone(), properties)
-        };
-        let mut file = place.map(create).transpose()?;
-        let mut statuses = Statuses::new(study);
-        let mut statistics = self.plan.map(|plan| (plan, State::new(plan), places(study, plan)));
-        let mut source = Source::new(*self, &rows);
-        let together = if self.workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
-        for wave in chunks(rows).chunks(together) {
-            for rows in source.rows(wave) {
-                let rows = rows?;
-                if let Some((plan, state, places)) = &mut statistics {
-                    state.add(plan, rows.first, places.iter().map(|place| rows.outputs[*place].as_slice()));
-                }
-                match &mut file {
-                    Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
-                    None => statuses.count_all(&rows.statuses),
-                }
-            }
-        }
-        let counts = statuses.counts();
-        if let Some(file) = &mut file {
-            file.note("status_counts", json!(counts).to_string());
-        }
-        let statistics = statistics.map(|(_, state, _)| state);
-        Ok(Written { file: file.map(NewFile::end).transpose()?, statuses: counts, statistics })
-    }
-}
-
-/// Where the rows of one file come from: the solver or, as far as they are there, an earlier study's folder.
-struct Source<'a> {
-    work: Work<'a>,
-    solver: RowSolver<'a>,
-    reader: Option<EarlierReader<'a>>,
-}
-
-impl<'a> Source<'a> {
-    /// For `rows` at the most.
-    fn new(work: Work<'a>, rows: &Range<u64>) -> Self {
-        let Work { study, progress, .. } = work;
-        let earlier = work.earlier.filter(|earlier| earlier.count(rows) > 0);
-        Self {
-            work: Work { earlier, ..work },
-            solver: RowSolver::new(study).with_progress(progress),
-            reader: earlier.map(|earlier| EarlierReader::new(earlier, study, progress)),
-        }
-    }
-
-    /// The rows of some chunks, in order.
-    fn rows(&mut self, wave: &[Range<u64>]) -> Vec<Result<Rows, Error>> {
-        let Work { study, earlier, workers, progress, .. } = self.work;
-        let (solver, is_there) = (&mut self.solver, |rows| earlier.is_some_and(|earlier| earlier.count(rows) > 0));
-        match (workers, &mut self.reader) {
-            (_, Some(reader)) if wave.iter().any(is_there) => {
-                wave.iter().map(|rows| reader.rows(rows.clone(), solver)).collect()
-            }
-            (Workers::One, _) => wave.iter().map(|rows| solver.rows(rows.clone())).collect(),
-            (Workers::All, _) => {
-                let new = || RowSolver::new(study).with_progress(progress);
-                wave.par_iter().map_init(new, |solver, rows| solver.rows(rows.clone())).collect()
-            }
-        }
-    }
-}
-
-/// Places of a plan's columns among the study's computed ones.
-fn places(study: &Study, plan: &Plan) -> Vec<usize> {
-    let place = |name: &String| study.outputs().position(|output| output.name == name);
-    plan.columns.iter().filter_map(place).collect()
-}
-
-/// A part whose rows were computed.
-pub struct Written {
-    /// Their file, still to be published, where there was a place for one.
-    pub file: Option<Ended>,
-    /// How many ended with each status.
-    pub statuses: StatusCounts,
-    /// Their statistics, where they were asked for.
-    pub statistics: Option<State>,
 }

@@ -9,7 +9,7 @@ use super::pages::{self, Collector, Pages, Pieces};
 use super::sink::Sink;
 use super::texts::Texts;
 use crate::error::Error;
-use crate::folder::store::{Store, TEMPORARY};
+use crate::store::{Store, TEMPORARY};
 use arrow::array::{ArrayRef, AsArray};
 use arrow::datatypes::{Field, SchemaRef};
 use arrow::record_batch::RecordBatch;
@@ -69,9 +69,6 @@ impl Drop for Temporary {
 
 impl NewFile {
     /// Begins the file that is to be at `path`; until it is whole it is in the staging folder.
-    ///
-    /// # Errors
-    /// The staging folder cannot be written.
     pub fn create(
         staging: &Path,
         path: &Path,
@@ -101,9 +98,6 @@ impl NewFile {
     }
 
     /// Adds rows.
-    ///
-    /// # Errors
-    /// They cannot be written.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         self.append(batch).map_err(|error| Error::writing(&self.path, error))
     }
@@ -148,9 +142,6 @@ impl NewFile {
     }
 
     /// Ends the file's contents.
-    ///
-    /// # Errors
-    /// They cannot be written.
     pub fn end(mut self) -> Result<Ended, Error> {
         self.end_group().map_err(|error| Error::writing(&self.path, error))?;
         self.writer.flush().map_err(|source| Error::Write { path: self.path.clone(), source })?;
@@ -217,9 +208,6 @@ impl Ended {
     }
 
     /// Makes the file last under its own name in a store. Waits for that.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn publish(self, store: &dyn Store, name: &str) -> Result<(), Error> {
         let published = store.publish(&self.file, &self.temporary.0, name);
         published.map_err(|source| Error::Write { path: self.path, source })

@@ -9,13 +9,10 @@ use std::fs::File;
 use std::path::Path;
 
 /// The rows of a part's file after the first `skipped`; of the columns of those names, or all.
-///
-/// # Errors
-/// It cannot be read.
 pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<ParquetRecordBatchReader, Error> {
-    let file = File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    let parquet = |source| Error::Parquet { path: path.to_owned(), source };
-    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(parquet)?.with_offset(skipped as usize);
+    let file = File::open(path).map_err(Error::reading(path))?;
+    let parquet = Error::parquet(path);
+    let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(&parquet)?.with_offset(skipped as usize);
     if let Some(names) = names {
         let fields = builder.schema().fields().iter().enumerate();
         let wanted = fields.filter(|(_, field)| names.contains(&field.name().as_str())).map(|(place, _)| place);

@@ -1,7 +1,6 @@
 //! The status column: the text of each status, and how many rows have it.
 
-use crate::quantity::constraint::Constraint;
-use crate::row::status::Status;
+use crate::result::status::Status;
 use crate::study::Study;
 use arrow::array::{DictionaryArray, Int32Array, StringArray};
 use arrow::datatypes::Int32Type;
@@ -41,7 +40,7 @@ pub fn text(status: Status, study: &Study) -> Cow<'static, str> {
         Status::NoTimeConstant => "no_time_constant".into(),
         Status::LeftOut(number) => {
             let constraint = study.constraints.get(usize::from(number));
-            format!("{LEFT_OUT}{}", constraint.map_or("", Constraint::text)).into()
+            format!("{LEFT_OUT}{}", constraint.map_or("", |constraint| &constraint.text)).into()
         }
         Status::Failed(failure) => format!("{FAILED}{failure}").into(),
     }

@@ -28,9 +28,6 @@ impl Texts {
     }
 
     /// Adds rows. None of them is null.
-    ///
-    /// # Errors
-    /// The texts are no texts.
     pub fn write(&mut self, rows: &DictionaryArray<Int32Type>) -> Result<()> {
         let texts = rows.values().as_any().downcast_ref::<StringArray>();
         let texts = texts.ok_or_else(|| ParquetError::General("a dictionary of something else than texts".into()))?;
@@ -53,9 +50,6 @@ impl Texts {
     }
 
     /// The column's bytes, and what its metadata says of them.
-    ///
-    /// # Errors
-    /// They cannot be compressed.
     pub fn close(self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         let Self { mut chunk, dictionary, rows } = self;
         let mut texts = Vec::new();

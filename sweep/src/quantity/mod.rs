@@ -4,17 +4,13 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `names` | what people may call a quantity |
 //! | [`point`] | a value for each of them |
 //! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
 //! | `copula`, [`uncertain`] | correlated quantities; a model's parameters as known |
-//! | `constraint` | which points make sense |
 
 pub mod axis;
-pub(crate) mod constraint;
 pub(crate) mod copula;
 pub mod distribution;
-pub(crate) mod names;
 pub mod point;
 pub mod uncertain;
 

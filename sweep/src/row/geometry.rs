@@ -1,11 +1,9 @@
-//! The geometry of a row: bore and strokes, solved for where the volume-to-area ratio is given, and the gas volume and heat
-//! transfer area that follow.
+//! The geometry of a row: bore and strokes, solved for where the volume-to-area ratio is given.
 
-use super::status::Failure;
 use crate::quantity::Base;
 use crate::quantity::point::Point;
+use crate::result::status::Failure;
 use chamber::{AreaLaw, Geometry};
-use ensemble::Scenario;
 
 /// Largest and smallest bore that a volume-to-area ratio is solved for, m.
 const BORES_M: (f64, f64) = (1e-4, 10.0);
@@ -38,13 +36,6 @@ pub fn strokes(geometry: &Geometry, point: &Point) -> Result<[f64; 2], Failure> 
     let volume = wanted * at_zero / (1.0 - wanted * slope);
     let solved = (volume - geometry.dead_volume) / geometry.piston_area;
     if solved.is_finite() && solved > 0.0 { Ok([solved * (initial / last), solved]) } else { Err(Failure::NoLength) }
-}
-
-/// Volume of the gas, m³, and its heat transfer area, m², at the final stroke.
-pub fn final_geometry(scenario: &Scenario) -> (f64, f64) {
-    let geometry = &scenario.chamber.geometry;
-    let volume = geometry.volume(scenario.final_position_m);
-    (volume, geometry.heat_transfer_area(volume))
 }
 
 /// Gas volume over heat transfer area at a stroke.

@@ -3,22 +3,20 @@
 //! | module | holds |
 //! |---|---|
 //! | `geometry` | bore or strokes, solved for where a ratio is given |
-//! | [`outputs`], `status` | what comes out of a row, and how it ended |
 //! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, piece by piece |
 
 pub mod chunk;
 pub(crate) mod geometry;
-pub mod outputs;
 pub mod solve;
-pub(crate) mod status;
 
 use crate::quantity::Base;
 use crate::quantity::point::Point;
+use crate::result::final_geometry;
+use crate::result::status::{Failure, Status};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
 use chamber::effects;
 use ensemble::{Hold, Scenario};
-use status::{Failure, Status};
 
 /// The push-and-hold test that a point of the study stands for.
 ///
@@ -92,6 +90,6 @@ pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
     let set = chamber.active().without(effects::SINGULAR);
     let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-    let area = effects::heat_transfer_area(set, &chamber.effects, geometry::final_geometry(scenario).1);
+    let area = effects::heat_transfer_area(set, &chamber.effects, final_geometry(scenario).1);
     mass * chamber.gas.cv() / (coefficient * area)
 }

@@ -1,10 +1,11 @@
 //! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
 
-use super::outputs::{Output, RowResult};
-use super::status::Status;
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::quantity::point::Point;
+use crate::result::RowResult;
+use crate::result::outputs::Output;
+use crate::result::status::Status;
 use crate::row;
 use crate::study::Study;
 use chamber::effects::EffectSet;
@@ -143,18 +144,4 @@ impl<'a> RowSolver<'a> {
             self.results[i] = RowResult::without(status);
         }
     }
-}
-
-/// Whether no row is left to solve: each is left out by a constraint, or cannot be.
-///
-/// # Errors
-/// A table of points cannot be read.
-pub fn nothing_is_left(study: &Study) -> Result<bool, Error> {
-    let mut points: Vec<Vec<f64>> = study.varied.iter().map(|_| Vec::new()).collect();
-    study.design.fill(0..study.rows, &mut points)?;
-    let mut point = study.base;
-    Ok((0..study.rows as usize).all(|i| {
-        study.vary(&mut point, &points, i);
-        row::scenario(study, &point).is_err()
-    }))
 }

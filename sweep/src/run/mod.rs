@@ -4,29 +4,32 @@
 //! |---|---|
 //! | [`shard`] | a share of a study's parts |
 //! | `publish` | parts put in their places while the next ones are computed |
+//! | [`work`] | the rows of one file |
 //! | [`whole`] | a study into one file or memory, or its statistics alone |
 
 mod publish;
 pub mod shard;
 pub mod whole;
+pub mod work;
 
 use crate::error::Error;
+use crate::file_names::{SENSITIVITY, STATISTICS};
 use crate::folder::earlier::Earlier;
-use crate::folder::file_names::{SENSITIVITY, STATISTICS};
 use crate::folder::record::{Record, statuses_of};
-use crate::folder::store::Store;
 use crate::folder::{Folder, Found, Look};
 use crate::part::new_file::keep_memory;
 use crate::part::status_column::{self, StatusCounts};
-use crate::part::{Place, Work, Workers};
 use crate::progress::Progress;
 use crate::sensitivity;
-use crate::statistics::{self, Plan, State};
+use crate::statistics::{self, State};
+use crate::store::Store;
 use crate::study::Study;
+use crate::study::plan::Plan;
 use publish::{Finished, publishing};
 use rayon::prelude::*;
 use serde_json::Value;
 use shard::Shard;
+use work::{Place, Work, Workers};
 
 /// Which parts a run writes, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]
@@ -232,7 +235,8 @@ fn write(
         let path = folder.path(&folder.part_file(part));
         let place = options.rows.then_some(Place { path: &path, staging: &staging, extra: &extra });
         let written = work.write(study.rows_of(part), place.as_ref())?;
-        let record = folder.record(part, &written);
+        let digest = written.file.as_ref().map(|file| file.digest().clone());
+        let record = folder.record(part, written.statuses, digest, written.statistics);
         Ok(Finished { folder, part, record, file: written.file })
     };
     let scattered = scattered(missing);

@@ -1,15 +1,17 @@
 //! A whole study into one file or into memory, or its statistics alone.
 
 use super::shard::Shard;
+use super::work::{Place, Work};
 use crate::error::Error;
-use crate::folder::store::Local;
+use crate::part;
 use crate::part::new_file::keep_memory;
 use crate::part::status_column::{StatusCounts, add_counts};
-use crate::part::{self, Place, Work};
 use crate::progress::Progress;
 use crate::row::chunk::{CHUNK, chunks};
-use crate::statistics::{Plan, State};
+use crate::statistics::State;
+use crate::store::Local;
 use crate::study::Study;
+use crate::study::plan::Plan;
 use arrow::record_batch::RecordBatch;
 use rayon::prelude::*;
 use serde_json::Value;

@@ -7,8 +7,8 @@ pub(crate) mod indices;
 use crate::design::Design;
 use crate::design::saltelli::{REPLICATES, Scheme};
 use crate::error::Error;
-use crate::folder::store::LocalFile;
 use crate::part::reader;
+use crate::store::LocalFile;
 use crate::study::Study;
 use arrow::array::AsArray;
 use indices::{Centre, Indices, Sums};
@@ -17,9 +17,6 @@ use serde_json::{Map, Value, json};
 
 /// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` gives a
 /// part as a file on the disk; it is asked once for each part.
-///
-/// # Errors
-/// A part cannot be read.
 pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) -> Result<Option<Value>, Error> {
     let Design::Saltelli(design) = &study.design else { return Ok(None) };
     let scheme = design.scheme();

@@ -1,11 +1,11 @@
 //! What is known of one column: moments, extremes with their rows, a sketch of its distribution, a histogram.
 
 use super::moments::Moments;
-use super::plan::{Bins, Plan};
-use super::point_of;
+use super::points::point_of;
 use super::sketch::{Quantile, Sketch};
 use crate::error::Error;
 use crate::study::Study;
+use crate::study::plan::{Bins, Plan};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

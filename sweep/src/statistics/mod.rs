@@ -6,11 +6,10 @@
 mod column;
 mod front;
 mod moments;
-pub(crate) mod plan;
+mod points;
 mod sketch;
 
 pub use front::Front;
-pub use plan::{Bins, Goals, Plan};
 pub use sketch::{ERROR, MOST, Sketch};
 
 use crate::error::Error;
@@ -19,12 +18,13 @@ use crate::part::reader;
 use crate::part::status_column::StatusCounts;
 use crate::row::chunk::CHUNK;
 use crate::study::Study;
+use crate::study::plan::{Goals, Plan};
 use arrow::array::AsArray;
 use arrow::datatypes::Float64Type;
 use column::Column;
+use points::points_of;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What is known of the rows so far.
@@ -125,31 +125,6 @@ fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value,
     }))
 }
 
-/// The varied quantities of a row by name.
-fn point_of(study: &Study, row: u64) -> Result<Map<String, Value>, Error> {
-    Ok(points_of(study, vec![row])?.remove(&row).unwrap_or_default())
-}
-
-/// The varied quantities of each of some rows by name. Rows that lie near one another are taken from the design at once,
-/// since a table is read from some way before them.
-fn points_of(study: &Study, mut rows: Vec<u64>) -> Result<BTreeMap<u64, Map<String, Value>>, Error> {
-    const NEAR: u64 = 4096;
-    rows.sort_unstable();
-    let mut points = BTreeMap::new();
-    for near in rows.chunk_by(|a, b| a / NEAR == b / NEAR) {
-        let rows = near[0]..near[near.len() - 1] + 1;
-        let mut columns = vec![Vec::with_capacity((rows.end - rows.start) as usize); study.varied.len()];
-        study.design.fill(rows.clone(), &mut columns)?;
-        for &row in near {
-            let value = |column: &Vec<f64>| json!(column[(row - rows.start) as usize]);
-            let named =
-                study.varied.iter().zip(&columns).map(|(varied, column)| (varied.column.clone(), value(column)));
-            points.insert(row, named.collect());
-        }
-    }
-    Ok(points)
-}
-
 /// The state of a part from its stored rows.
 ///
 /// # Errors
@@ -164,10 +139,8 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
         let batch = batch.map_err(|error| Error::arrow(path, error))?;
         for (name, values) in plan.columns.iter().zip(&mut columns) {
             let column = batch.column_by_name(name).and_then(|column| column.as_primitive_opt::<Float64Type>());
-            let column = column.ok_or_else(|| Error::Table {
-                path: path.to_owned(),
-                message: format!("has no column `{name}` of numbers for the statistics"),
-            })?;
+            let column = column
+                .ok_or_else(|| Error::table(path, format!("has no column `{name}` of numbers for the statistics")))?;
             values.extend(reader::numbers(column));
         }
         loop {

@@ -1,48 +1,27 @@
 //! A study: a base model, the push-and-hold test, what varies and by which design.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `constraint` | which points make sense |
+//! | [`plan`] | which statistics are asked for |
 
-mod check;
-mod constraints;
-mod points;
-mod read;
-mod section;
-mod statistics;
-mod test;
-mod vary;
+pub(crate) mod constraint;
+pub mod plan;
 
 use crate::design::Design;
 use crate::design::saltelli::REPLICATES;
-use crate::error::Error;
-use crate::folder::file_names;
+use crate::file_names;
 use crate::hash;
-use crate::quantity::constraint::Constraint;
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
-use crate::row::outputs::{OUTPUTS, Output, When};
-use crate::statistics::plan::Plan;
+use crate::result::outputs::{OUTPUTS, Output, When};
 use chamber::effects::{EffectSet, EffectValues};
+use constraint::Constraint;
 use ensemble::Solver;
+use plan::Plan;
 use records::Model;
 use serde_json::{Map, Value, json};
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
-
-/// Rows of a part at most, unless the study sets the number of parts.
-const ROWS_PER_PART: u64 = 1 << 20;
-/// Files that a folder can still be asked to hold.
-const MOST_PARTS: u64 = 1 << 20;
-/// Rows that so many parts hold: years of work.
-const MOST_ROWS: u64 = MOST_PARTS * ROWS_PER_PART;
-/// Parts of a study of many rows at least, so that shards have something to share.
-const PARTS_OF_A_LARGE_STUDY: u64 = 16;
-/// Rows below which a further part is not worth a file.
-const ROWS_WORTH_A_PART: u64 = 1 << 10;
-
-/// Names of the solvers in study files and on the command line.
-pub const SOLVERS: [(&str, Solver); 3] =
-    [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
-
-/// Relative tolerances that make sense.
-pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-2;
 
 /// A quantity that varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,42 +68,12 @@ pub struct Study {
     /// What stands in the study file without effect, in sentences.
     pub notes: Vec<String>,
     /// Number of base samples of a sampled design.
-    samples: Option<u64>,
+    pub(crate) samples: Option<u64>,
     /// SHA-256 of the table's file, for a study on a table.
-    table_sha256: Option<String>,
-}
-
-/// What takes the place of a study file's own.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Overrides {
-    /// How the equations are solved.
-    pub solver: Option<Solver>,
-    /// Relative tolerance of the adaptive integration.
-    pub tolerance: Option<f64>,
-}
-
-impl Overrides {
-    /// The tolerance, where there is one.
-    fn tolerance(&self) -> Result<Option<f64>, Error> {
-        match self.tolerance.filter(|tolerance| !TOLERANCES.contains(tolerance)) {
-            None => Ok(self.tolerance),
-            Some(tolerance) => {
-                let (least, most) = (TOLERANCES.start(), TOLERANCES.end());
-                Err(Error::Option(format!(
-                    "the tolerance is {tolerance}; expected a number from {least:e} to {most:e}"
-                )))
-            }
-        }
-    }
+    pub(crate) table_sha256: Option<String>,
 }
 
 impl Study {
-    /// Number of parts that follows from a number of rows.
-    fn default_parts(rows: u64) -> u64 {
-        let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);
-        small.max(rows.div_ceil(ROWS_PER_PART))
-    }
-
     /// The rows of a part: parts differ by one row at most.
     pub fn rows_of(&self, part: u64) -> std::ops::Range<u64> {
         let start = |part: u64| (u128::from(self.rows) * u128::from(part) / u128::from(self.parts)) as u64;
@@ -161,7 +110,7 @@ impl Study {
         study["fixed"] = Value::Object(self.fixed());
         self.describe_points(&mut study);
         if !self.constraints.is_empty() {
-            let texts: Vec<_> = self.constraints.iter().map(Constraint::text).collect();
+            let texts: Vec<_> = self.constraints.iter().map(|constraint| &constraint.text).collect();
             study["constraints"] = json!(texts);
         }
         study

@@ -6,7 +6,7 @@ use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
-use crate::table::{states, table};
+use crate::table::{self, place_of_state, table};
 
 impl Instance {
     /// Stops continuous time, or steps that use event mode, for an event (`fmi2EnterEventMode`).
@@ -90,7 +90,7 @@ impl Instance {
         let wrong = |_| Refusal::WrongLength { argument: "nx", length: states.len(), expected: ALL };
         let states: [f64; ALL] = states.try_into().map_err(wrong)?;
         if let Some((value, state)) = states.iter().zip(0..).find(|(value, _)| !value.is_finite()) {
-            let variable = states::place_of_state(state).and_then(|place| table().get(place));
+            let variable = place_of_state(state).and_then(|place| table().get(place));
             let (name, unit) = variable.map_or(("state", ""), |v| (v.name.as_str(), v.quantity.unit));
             return Err(Refusal::NotFinite { name, value: *value, unit });
         }
@@ -148,7 +148,7 @@ impl Instance {
     pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), Refusal> {
         self.need_exchange()?;
         let nominals: &mut [f64; ALL] = of_length(nominals, "nx")?;
-        *nominals = states::nominals();
+        *nominals = table::nominals();
         Ok(())
     }
 

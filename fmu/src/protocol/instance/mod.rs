@@ -9,21 +9,14 @@ mod values;
 use super::message::{Category, Message, Status};
 use super::phases::Phase;
 use super::refusal::Refusal;
+use super::snapshot::Snapshot;
 use super::warning::Warnings;
 use crate::plant::rates::Present;
 use crate::plant::simulation::{DEFAULT_TOLERANCE, Experiment, Kind, Simulation, TOLERANCES};
 use crate::plant::values::Starts;
-use crate::table::{Type, Variable, table};
+use crate::table::table;
+use crate::table::variable::{Type, Variable};
 use std::collections::BTreeMap;
-
-/// What saved states hold: a simulation and its phase.
-#[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// Where in its life cycle the instance was.
-    pub phase: Phase,
-    /// Time, states, inputs and parameters, with the history of a delayed record.
-    pub simulation: Simulation,
-}
 
 /// One instance of the FMU.
 #[derive(Debug)]

@@ -1,7 +1,8 @@
 //! Saved states: copies behind handles, and their bytes.
 
-use super::{Instance, Snapshot};
+use super::Instance;
 use crate::protocol::refusal::Refusal;
+use crate::protocol::snapshot::Snapshot;
 use crate::protocol::state_bytes;
 
 impl Instance {

@@ -8,7 +8,8 @@ use crate::plant::tangent::Seed;
 use crate::plant::values::input;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
-use crate::table::{Role, structure};
+use crate::table::structure;
+use crate::table::variable::Role;
 
 impl Instance {
     /// Sets derivatives of inputs for the next step, SI units per s to the order, 1 to 3: all, or none

@@ -146,7 +146,7 @@ mod tests {
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.set_real(&[velocity], &[-0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
         // Drawn back, the gas cools below the wall: the corner is passed, once.
@@ -165,7 +165,7 @@ mod tests {
         starts.inputs[input::VELOCITY] = 1.0;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.exit_initialization().unwrap();
         instance.set_real(&[velocity], &[1.0]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.1), Ok(true));

@@ -6,7 +6,8 @@ use crate::plant::rates::Present;
 use crate::plant::values::Parameters;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
-use crate::table::{Role, Variability, Variable, structure};
+use crate::table::structure;
+use crate::table::variable::{Role, Variability, Variable};
 
 impl Instance {
     /// `fmi2SetReal`: the whole batch, or nothing.

@@ -10,12 +10,12 @@ pub use rows::EarlierReader;
 
 use crate::design::Design;
 use crate::error::Error;
+use crate::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::folder::differing::differing;
-use crate::folder::file_names::{self, MANIFEST, RECORDS, ROWS, STUDY};
 use crate::folder::record;
-use crate::folder::store::{LocalFile, Store};
 use crate::hash;
 use crate::part::reader;
+use crate::store::{LocalFile, Store};
 use crate::study::Study;
 use arrow::array::AsArray;
 use rayon::prelude::*;
@@ -51,9 +51,9 @@ impl Earlier {
     pub fn open(study: &Study, store: &dyn Store) -> Result<Self, Error> {
         let folder = store.place();
         let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
-        let reading = |source| Error::Read { path: folder.to_owned(), source };
-        let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(reading)? {
-            None => store.read(MANIFEST).map_err(reading)?,
+        let reading = Error::reading(folder);
+        let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(&reading)? {
+            None => store.read(MANIFEST).map_err(&reading)?,
             text => text,
         };
         let text = text.ok_or_else(|| refuse(format!("it holds no study ({RECORDS}/{STUDY} is missing)")))?;

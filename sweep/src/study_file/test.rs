@@ -1,10 +1,10 @@
 //! `[test]` of a study file: the push-and-hold test, as far as it does not vary.
 
-use super::Varied;
 use super::section::{Entry, Section};
 use crate::error::Error;
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
+use crate::study::Varied;
 use records::Model;
 use report::number::shortest;
 

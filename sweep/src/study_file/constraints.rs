@@ -1,12 +1,13 @@
 //! `constraints` of `[vary]`: comparisons that each depend on what varies, and name only what a row has.
 
-use super::Varied;
+use super::comparison;
 use super::section::{Entry, Section};
 use crate::design::Design;
 use crate::error::Error;
-use crate::quantity::constraint::Constraint;
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
+use crate::study::Varied;
+use crate::study::constraint::Constraint;
 
 /// The key of [vary] that is no quantity.
 pub const KEY: &str = "constraints";
@@ -39,7 +40,7 @@ pub fn read(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]
         |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
     let parsed = |text: &&str| {
         let refuse = |why: String| entry.because(format!("has \"{text}\", which {why}"));
-        let constraint = Constraint::parse(text).map_err(refuse)?;
+        let constraint = comparison::parse(text).map_err(refuse)?;
         let quantities = constraint.quantities();
         if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
         {

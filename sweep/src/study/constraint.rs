@@ -4,27 +4,25 @@
 //! with `+ - * / ^` and parentheses, compared by `<`, `<=`, `>` or `>=`. A row that breaks a constraint is left out: it has its
 //! number, its quantities, nulls and the status `left_out`. A term without a value (0/0) keeps no constraint.
 
-mod reader;
-
 use crate::quantity::Base;
 use crate::quantity::point::Point;
-use crate::row::geometry::final_geometry;
+use crate::result::final_geometry;
 use ensemble::{Hold, Scenario};
-use reader::Reader;
-
-/// Characters of a constraint at most; nesting follows.
-const LONGEST: usize = 500;
 
 /// A comparison that a row has to satisfy in order to be solved.
 #[derive(Clone, Debug)]
 pub struct Constraint {
-    text: String,
-    terms: Vec<Term>,
-    relations: Vec<Relation>,
+    /// As the study file writes it.
+    pub text: String,
+    /// At least two.
+    pub terms: Vec<Term>,
+    /// Between each term and the next.
+    pub relations: Vec<Relation>,
 }
 
+/// How a term compares with the next.
 #[derive(Clone, Copy, Debug)]
-enum Relation {
+pub enum Relation {
     Less,
     AtMost,
     Greater,
@@ -33,7 +31,7 @@ enum Relation {
 
 /// A number of a row, by where it comes from.
 #[derive(Clone, Debug)]
-enum Term {
+pub enum Term {
     Number(f64),
     Quantity(usize),
     Geometry(Geometry),
@@ -43,7 +41,7 @@ enum Term {
 
 /// What follows from the geometry of a row.
 #[derive(Clone, Copy, Debug)]
-enum Geometry {
+pub enum Geometry {
     StrokeVolume,
     InitialVolume,
     Volume,
@@ -51,42 +49,7 @@ enum Geometry {
     VolumeToArea,
 }
 
-/// Names of what follows from the geometry.
-const GEOMETRY: [(&str, Geometry); 5] = [
-    ("stroke_volume_m3", Geometry::StrokeVolume),
-    ("initial_volume_m3", Geometry::InitialVolume),
-    ("volume_m3", Geometry::Volume),
-    ("area_m2", Geometry::Area),
-    ("volume_to_area_m", Geometry::VolumeToArea),
-];
-
 impl Constraint {
-    /// A constraint from its text.
-    ///
-    /// # Errors
-    /// What is wrong with it, in words that follow it.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        if text.len() > LONGEST {
-            return Err(format!("is longer than {LONGEST} characters"));
-        }
-        let mut reader = Reader { rest: text.trim() };
-        let mut terms = vec![reader.sum()?];
-        let mut relations = Vec::new();
-        while !reader.rest.is_empty() {
-            relations.push(reader.relation()?);
-            terms.push(reader.sum()?);
-        }
-        if relations.is_empty() {
-            return Err("compares nothing; expected <, <=, > or >=".into());
-        }
-        Ok(Self { text: text.trim().to_owned(), terms, relations })
-    }
-
-    /// The constraint as the study file writes it.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
     /// The quantities it rests on; of what follows from the geometry, those that shape it.
     pub fn quantities(&self) -> Vec<usize> {
         let mut found = Vec::new();
@@ -170,59 +133,6 @@ impl Geometry {
             Geometry::Volume => volume,
             Geometry::Area => area,
             Geometry::VolumeToArea => volume / area,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Whether a comparison of numbers holds.
-    fn holds(text: &str) -> bool {
-        let chamber = chamber::Chamber::new(
-            chamber::Gas::AIR,
-            chamber::Geometry::new(0.02, 0.0, 1e-6, chamber::AreaLaw::Total),
-            chamber::HeatTransfer::at_paper_reference(30.0),
-        );
-        let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(3.0));
-        Constraint::parse(text).unwrap().holds(&Point::EMPTY, &scenario)
-    }
-
-    #[test]
-    fn operators_bind_as_in_algebra() {
-        for text in [
-            "1 + 2 * 3 > 6.9", "(1 + 2) * 3 >= 9", "2 - 1 - 1 <= 0", "8 / 4 / 2 < 1.1", "-2 ^ 2 < 0",
-            "2 ^ 3 ^ 2 > 511", "2 ^ -1 < 0.6", "1e-3 < 1.5E+2", "1e-3-1 < 0", "1 < 2 <= 2 < 3", "bore_m < 0.021",
-            "chamber.bore_m > 0.019", "stroke_volume_m3 < 1.571e-5", "stroke_volume_m3 > 1.570e-5", "duration_s >= 3",
-        ] {
-            assert!(holds(text), "{text}");
-        }
-        for text in ["1 < 2 < 2", "0 / 0 < 1", "0 / 0 >= 1", "2 - (1 - 1) < 2"] {
-            assert!(!holds(text), "{text}");
-        }
-    }
-
-    #[test]
-    fn what_is_no_constraint_is_said() {
-        for (text, expected) in [
-            ("", "ends; expected a number or a quantity"),
-            ("1", "compares nothing"),
-            ("bore_m = 0.02", "has `=`; expected an operator, <, <=, > or >="),
-            ("bore_m < ", "ends; expected a number"),
-            ("(1 < 2", "has `<`; expected `)`"),
-            ("1 < 2)", "has `)`; expected an operator"),
-            ("1.2.3 < 2", "`1.2.3`, which is no number"),
-            ("boer_m < 1", "did you mean `bore_m`?"),
-            ("dead_volume_m3 < 0.2 * stroke_volume", "did you mean `stroke_volume_m3`?"),
-            ("pressure_peak_pa < 1e6", "is not known before the row is solved"),
-            ("bore_m < 2 and 1 < 2", "has `a`; expected an operator"),
-            ("bore_m < 20 mm", "has `m`; expected an operator"),
-            ("bore_m < §", "has `§`; expected a number"),
-            (&"(".repeat(600), "is longer than 500"),
-        ] {
-            let message = Constraint::parse(text).unwrap_err();
-            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 }

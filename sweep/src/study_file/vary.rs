@@ -1,16 +1,16 @@
 //! `[vary]` of a study file: which quantities vary, and which values or distributions they take.
 
-use super::Varied;
 use super::constraints;
+use super::names;
 use super::section::{Entry, Section};
 use crate::error::Error;
 use crate::quantity::axis::{Axis, Scale};
 use crate::quantity::copula::Copula;
 use crate::quantity::distribution::{Distribution, Limits};
-use crate::quantity::names;
 use crate::quantity::uncertain::{self, Parameter, Uncertain};
 use crate::quantity::{self, Base};
-use crate::row::outputs;
+use crate::result::outputs;
+use crate::study::Varied;
 use records::Field;
 use report::number::shortest;
 

@@ -1,79 +1,64 @@
 //! What can be wrong with a file, in sentences: where, what, what to do.
 
-use crate::key::KeyProblem;
-use crate::trace::problem::TraceProblem;
-use std::io;
-use std::path::PathBuf;
+pub mod trace;
 
-/// Why a file was refused or could not be written.
+use crate::key::KeyProblem;
+use std::io;
+use std::path::{Path, PathBuf};
+use trace::TraceProblem;
+
+/// Why a file was refused or could not be written: its path as it was given, lines and columns counted from 1.
+#[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// Path of the file, as it was given.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Read { path: PathBuf, source: io::Error },
     /// A trace that was given in the place of another file.
     #[error("{}: this looks like a trace; {expected}", path.display())]
     IsTrace {
-        /// Path of the file, as it was given.
         path: PathBuf,
         /// What is expected in its place, in words.
         expected: &'static str,
     },
     /// A folder that was given in the place of a rig file has none.
     #[error("{}: this folder has no rig.toml; `pneutherm look TRACE -o rig.toml` writes one", folder.display())]
-    NoRig {
-        /// The folder, as it was given.
-        folder: PathBuf,
-    },
+    NoRig { folder: PathBuf },
     /// The file cannot be written; what stood there before still stands.
     #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// Path of the file, as it was given.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Write { path: PathBuf, source: io::Error },
     /// The file is not TOML.
     #[error("{}: line {line}, column {column}: not valid TOML: {message}", path.display())]
     Syntax {
-        /// Path of the file, as it was given.
         path: PathBuf,
-        /// Counted from 1.
         line: usize,
         /// Counted from 1, in characters.
         column: usize,
-        /// The parser's words.
         message: String,
     },
     /// Something is wrong with a key of a TOML file.
     #[error("{}: {}{key}: {problem}", path.display(), place(*line))]
     Key {
-        /// Path of the file, as it was given.
         path: PathBuf,
         /// The key's line, or that of the table where it is missing; counted from 1, 0 where the content comes from no file.
         line: usize,
-        /// The key with its tables, dotted.
         key: String,
-        /// What is wrong.
         problem: Box<KeyProblem>,
     },
     /// Something is wrong with a trace.
     #[error("{}: {problem}", path.display())]
-    Trace {
-        /// Path of the file, as it was given.
-        path: PathBuf,
-        /// What is wrong, and where in the file.
-        problem: Box<TraceProblem>,
-    },
+    Trace { path: PathBuf, problem: Box<TraceProblem> },
     /// A model cannot be expressed in a model file.
     #[error("the model cannot be written: {0}")]
     Unwritable(String),
+}
+
+impl Error {
+    /// Something wrong with the trace at `path`.
+    pub(crate) fn trace(path: &Path, problem: TraceProblem) -> Self {
+        Error::Trace { path: path.to_owned(), problem: Box::new(problem) }
+    }
 }
 
 fn place(line: usize) -> String {

@@ -1,7 +1,7 @@
 //! Quantities by the names that people write: dotted, or the last part alone where that is clear.
 
-use super::{Quantity, all, is_of_recorded_stroke, is_of_table};
-use crate::row::outputs;
+use crate::quantity::{Quantity, all, is_of_recorded_stroke, is_of_table};
+use crate::result::outputs;
 
 /// Why a name does not stand for one quantity.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::hash;
-use crate::row::outputs::Output;
+use crate::result::outputs::Output;
 use serde::Serialize;
 use serde_json::json;
 

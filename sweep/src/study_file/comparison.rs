@@ -1,12 +1,45 @@
 //! The text of a constraint, read by recursive descent.
 
-use super::{GEOMETRY, Relation, Term};
-use crate::quantity::names;
-use crate::row::outputs;
+use super::names;
+use crate::result::outputs;
+use crate::study::constraint::{Constraint, Geometry, Relation, Term};
+
+/// Characters of a constraint at most; nesting follows.
+const LONGEST: usize = 500;
+
+/// Names of what follows from the geometry.
+const GEOMETRY: [(&str, Geometry); 5] = [
+    ("stroke_volume_m3", Geometry::StrokeVolume),
+    ("initial_volume_m3", Geometry::InitialVolume),
+    ("volume_m3", Geometry::Volume),
+    ("area_m2", Geometry::Area),
+    ("volume_to_area_m", Geometry::VolumeToArea),
+];
+
+/// A constraint from its text.
+///
+/// # Errors
+/// What is wrong with it, in words that follow it.
+pub fn parse(text: &str) -> Result<Constraint, String> {
+    if text.len() > LONGEST {
+        return Err(format!("is longer than {LONGEST} characters"));
+    }
+    let mut reader = Reader { rest: text.trim() };
+    let mut terms = vec![reader.sum()?];
+    let mut relations = Vec::new();
+    while !reader.rest.is_empty() {
+        relations.push(reader.relation()?);
+        terms.push(reader.sum()?);
+    }
+    if relations.is_empty() {
+        return Err("compares nothing; expected <, <=, > or >=".into());
+    }
+    Ok(Constraint { text: text.trim().to_owned(), terms, relations })
+}
 
 /// Reads a constraint from left to right; holds what is still unread.
-pub struct Reader<'a> {
-    pub rest: &'a str,
+struct Reader<'a> {
+    rest: &'a str,
 }
 
 impl Reader<'_> {
@@ -28,7 +61,7 @@ impl Reader<'_> {
     }
 
     /// The operator of a comparison.
-    pub fn relation(&mut self) -> Result<Relation, String> {
+    fn relation(&mut self) -> Result<Relation, String> {
         let all =
             [("<=", Relation::AtMost), (">=", Relation::AtLeast), ("<", Relation::Less), (">", Relation::Greater)];
         let (sign, relation) = all
@@ -40,7 +73,7 @@ impl Reader<'_> {
     }
 
     /// A sum of products: a whole side of a comparison.
-    pub fn sum(&mut self) -> Result<Term, String> {
+    fn sum(&mut self) -> Result<Term, String> {
         let mut left = self.product()?;
         while let Some(operator) = self.one_of("+-") {
             left = Term::Two(left.into(), operator, self.product()?.into());
@@ -124,6 +157,61 @@ fn named(name: &str) -> Result<Term, String> {
                 Some(near) => format!("names `{name}`, which is no quantity; did you mean `{near}`?"),
                 None => format!("names `{name}`, which {}", reason.words(name)),
             })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::point::Point;
+    use ensemble::{Hold, Scenario};
+
+    /// Whether a comparison of numbers holds.
+    fn holds(text: &str) -> bool {
+        let chamber = chamber::Chamber::new(
+            chamber::Gas::AIR,
+            chamber::Geometry::new(0.02, 0.0, 1e-6, chamber::AreaLaw::Total),
+            chamber::HeatTransfer::at_paper_reference(30.0),
+        );
+        let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(3.0));
+        parse(text).unwrap().holds(&Point::EMPTY, &scenario)
+    }
+
+    #[test]
+    fn operators_bind_as_in_algebra() {
+        for text in [
+            "1 + 2 * 3 > 6.9", "(1 + 2) * 3 >= 9", "2 - 1 - 1 <= 0", "8 / 4 / 2 < 1.1", "-2 ^ 2 < 0",
+            "2 ^ 3 ^ 2 > 511", "2 ^ -1 < 0.6", "1e-3 < 1.5E+2", "1e-3-1 < 0", "1 < 2 <= 2 < 3", "bore_m < 0.021",
+            "chamber.bore_m > 0.019", "stroke_volume_m3 < 1.571e-5", "stroke_volume_m3 > 1.570e-5", "duration_s >= 3",
+        ] {
+            assert!(holds(text), "{text}");
+        }
+        for text in ["1 < 2 < 2", "0 / 0 < 1", "0 / 0 >= 1", "2 - (1 - 1) < 2"] {
+            assert!(!holds(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_constraint_is_said() {
+        for (text, expected) in [
+            ("", "ends; expected a number or a quantity"),
+            ("1", "compares nothing"),
+            ("bore_m = 0.02", "has `=`; expected an operator, <, <=, > or >="),
+            ("bore_m < ", "ends; expected a number"),
+            ("(1 < 2", "has `<`; expected `)`"),
+            ("1 < 2)", "has `)`; expected an operator"),
+            ("1.2.3 < 2", "`1.2.3`, which is no number"),
+            ("boer_m < 1", "did you mean `bore_m`?"),
+            ("dead_volume_m3 < 0.2 * stroke_volume", "did you mean `stroke_volume_m3`?"),
+            ("pressure_peak_pa < 1e6", "is not known before the row is solved"),
+            ("bore_m < 2 and 1 < 2", "has `a`; expected an operator"),
+            ("bore_m < 20 mm", "has `m`; expected an operator"),
+            ("bore_m < §", "has `§`; expected a number"),
+            (&"(".repeat(600), "is longer than 500"),
+        ] {
+            let message = parse(text).unwrap_err();
+            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 }

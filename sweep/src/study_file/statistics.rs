@@ -1,9 +1,9 @@
 //! `[statistics]` of a study file.
 
-use super::Study;
 use super::section::{Entry, Section};
 use crate::error::Error;
-use crate::statistics::plan::{Bins, Goals, Plan, no_result};
+use crate::study::Study;
+use crate::study::plan::{Bins, Goals, Plan, no_result};
 use records::Field;
 
 /// Bins of a histogram at most: each part keeps them all.

@@ -1,8 +1,8 @@
 //! The points of a study: of the axes in `[vary]`, or the rows of a table.
 
-use super::Varied;
 use super::check::{self, Bounds};
 use super::constraints;
+use super::names::{self, NotFound};
 use super::section::{Entry, Section};
 use super::vary::{self, VariedAxis, varied};
 use crate::design::table::Table;
@@ -11,10 +11,10 @@ use crate::error::Error;
 use crate::hash;
 use crate::quantity::axis::Axis;
 use crate::quantity::copula::Copula;
-use crate::quantity::names::{self, NotFound};
 use crate::quantity::point::Point;
 use crate::quantity::uncertain::Uncertain;
 use crate::quantity::{self, Base};
+use crate::study::Varied;
 use ensemble::Solver;
 use records::{Field, Model};
 use std::path::Path;
@@ -187,11 +187,11 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
                 NotFound::Unknown(None) => "; `columns = [...]` in the study picks columns",
                 _ => "",
             };
-            Error::Table { path: file.clone(), message: format!("column `{name}` {}{picks}", reason.words(name)) }
+            Error::table(&file, format!("column `{name}` {}{picks}", reason.words(name)))
         })?;
         if list.iter().any(|v| v.quantity == place) {
             let message = format!("column `{name}` is a quantity that another column holds already");
-            return Err(Error::Table { path: file.clone(), message });
+            return Err(Error::table(&file, message));
         }
         list.push(varied(name, place));
     }
@@ -206,9 +206,9 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
         if both(a, b) {
             let [a, b] = [a, b].map(|base| &quantity::all()[base as usize].name);
             let message = format!("columns {a} and {b} set the same thing twice: keep one of the two");
-            return Err(Error::Table { path: file.clone(), message });
+            return Err(Error::table(&file, message));
         }
     }
-    let table_sha256 = Some(hash::of_file(&file).map_err(|source| Error::Read { path: file.clone(), source })?);
+    let table_sha256 = Some(hash::of_file(&file).map_err(Error::reading(&file))?);
     Ok(Points { design: Design::Table(table), varied: list, entries: Vec::new(), table_sha256 })
 }

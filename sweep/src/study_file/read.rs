@@ -1,15 +1,16 @@
-//! Study files. Unknown keys and values out of range are refused with file, line and key.
+//! A whole study file: its own keys here, its tables in files of their own.
 
 use super::constraints;
 use super::points::{self, Points};
 use super::section::{Entry, Section};
 use super::statistics;
 use super::test;
-use super::{MOST_PARTS, MOST_ROWS, Overrides, SOLVERS, Study, TOLERANCES};
+use super::{Overrides, SOLVERS, TOLERANCES};
 use crate::design::Design;
 use crate::error::Error;
 use crate::quantity::uncertain::Uncertain;
-use crate::row::solve;
+use crate::row;
+use crate::study::Study;
 use ensemble::{Options, Solver};
 use records::{Document, Field, Model};
 use std::path::Path;
@@ -19,6 +20,17 @@ use std::path::Path;
 const KEYS: [&str; 12] = [
     "model", "name", "design", "samples", "second_order", "table", "columns", "seed", "fit", "solver", "tolerance", "parts",
 ];
+
+/// Rows of a part at most, unless the study sets the number of parts.
+const ROWS_PER_PART: u64 = 1 << 20;
+/// Files that a folder can still be asked to hold.
+const MOST_PARTS: u64 = 1 << 20;
+/// Rows that so many parts hold: years of work.
+const MOST_ROWS: u64 = MOST_PARTS * ROWS_PER_PART;
+/// Parts of a study of many rows at least, so that shards have something to share.
+const PARTS_OF_A_LARGE_STUDY: u64 = 16;
+/// Rows below which a further part is not worth a file.
+const ROWS_WORTH_A_PART: u64 = 1 << 10;
 
 /// Rows that are all looked at before the first is solved, whether the constraints leave any.
 const ROWS_LOOKED_AT: u64 = 1 << 14;
@@ -102,7 +114,7 @@ impl Study {
         })?;
         let parts = match parts {
             Some((entry, parts)) => checked_parts(entry, parts, rows)?,
-            None => Study::default_parts(rows),
+            None => default_parts(rows),
         };
         let constraints = constraints::read(&vary, &design, &base, &varied)?;
         let notes = without_effect(&study, &vary, &design);
@@ -115,7 +127,7 @@ impl Study {
         };
         if let Some(entry) = vary.get(constraints::KEY)
             && study.rows <= ROWS_LOOKED_AT
-            && solve::nothing_is_left(&study)?
+            && nothing_is_left(&study)?
         {
             return Err(entry.because("leave no row to solve"));
         }
@@ -154,6 +166,12 @@ fn tolerance(entry: Field<'_>) -> Result<f64, Error> {
     }
 }
 
+/// Number of parts that follows from a number of rows.
+fn default_parts(rows: u64) -> u64 {
+    let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);
+    small.max(rows.div_ceil(ROWS_PER_PART))
+}
+
 /// The number of files that the study asks for, where so many make sense for its rows.
 fn checked_parts(entry: Field<'_>, parts: u64, rows: u64) -> Result<u64, Error> {
     if parts > MOST_PARTS {
@@ -163,4 +181,15 @@ fn checked_parts(entry: Field<'_>, parts: u64, rows: u64) -> Result<u64, Error> 
         return Err(entry.because(format!("is {parts}, but the design has only {rows} rows")));
     }
     Ok(parts)
+}
+
+/// Whether no row is left to solve: each is left out by a constraint, or cannot be.
+fn nothing_is_left(study: &Study) -> Result<bool, Error> {
+    let mut points: Vec<Vec<f64>> = study.varied.iter().map(|_| Vec::new()).collect();
+    study.design.fill(0..study.rows, &mut points)?;
+    let mut point = study.base;
+    Ok((0..study.rows as usize).all(|i| {
+        study.vary(&mut point, &points, i);
+        row::scenario(study, &point).is_err()
+    }))
 }

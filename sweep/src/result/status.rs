@@ -3,21 +3,17 @@
 use thiserror::Error;
 
 /// Why a row has no results. Few and without numbers, so that the status column is a small dictionary.
+#[allow(missing_docs)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 pub enum Failure {
-    /// The rod leaves no piston area.
     #[error("the rod leaves no piston area")]
     RodFillsBore,
-    /// No heat transfer, so that a hold of some time constants has no length.
     #[error("without heat transfer there is no time constant to hold for")]
     NoTimeConstant,
-    /// No bore gives the volume-to-area ratio.
     #[error("no bore gives this volume-to-area ratio")]
     NoBore,
-    /// No strokes give the volume-to-area ratio.
     #[error("no length gives this volume-to-area ratio at this bore")]
     NoLength,
-    /// The simulation failed.
     #[error(transparent)]
     Simulation(#[from] ensemble::Failure),
 }

@@ -1,7 +1,7 @@
 //! Where a study's folder is: on a disk or, behind the same few operations, in an object store. Files are named relative to
 //! the folder, with `/`.
 
-use super::file_names::RECORDS;
+use crate::file_names::RECORDS;
 use crate::hash;
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -17,27 +17,15 @@ pub trait Store: Sync {
     fn place(&self) -> &Path;
 
     /// A file's contents, where there is one.
-    ///
-    /// # Errors
-    /// It cannot be read.
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>>;
 
     /// A file's length, where there is one.
-    ///
-    /// # Errors
-    /// It cannot be asked for.
     fn length(&self, name: &str) -> io::Result<Option<u64>>;
 
     /// Names of the files in a folder of this one, in order; in this folder itself where that is empty.
-    ///
-    /// # Errors
-    /// It cannot be read, or is none.
     fn names(&self, folder: &str) -> io::Result<Vec<String>>;
 
     /// A file on the disk: the one itself, or a copy that is removed when dropped.
-    ///
-    /// # Errors
-    /// It is not there or cannot be read.
     fn local(&self, name: &str) -> io::Result<LocalFile>;
 
     /// Writes a file, in place of an earlier one.
@@ -47,15 +35,9 @@ pub trait Store: Sync {
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
     /// Makes a whole file of [`Store::staging`] last under its name; what stays in the staging folder may be removed.
-    ///
-    /// # Errors
-    /// It cannot be written.
     fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()>;
 
     /// Removes a file, if it is there.
-    ///
-    /// # Errors
-    /// It cannot be removed.
     fn remove(&self, name: &str) -> io::Result<()>;
 
     /// Bytes that can still be written there; none where that is not known or has no end, or nothing can be written.
@@ -64,24 +46,15 @@ pub trait Store: Sync {
     }
 
     /// The folder on the disk in which files are made.
-    ///
-    /// # Errors
-    /// It cannot be made.
     fn staging(&self) -> io::Result<PathBuf>;
 
     /// Removes what killed runs left of files of those names: temporary files that nobody has locked. Nothing is left where
     /// each run has a staging folder of its own.
-    ///
-    /// # Errors
-    /// The staging folder cannot be read.
     fn clean(&self, _names: &[String]) -> io::Result<()> {
         Ok(())
     }
 
     /// SHA-256 of a file.
-    ///
-    /// # Errors
-    /// It is not there or cannot be read.
     fn sha256(&self, name: &str) -> io::Result<String> {
         hash::of_file(self.local(name)?.path())
     }
