@@ -164,6 +164,23 @@ fn a_push_of_six_rows_is_no_effect() {
 }
 
 #[test]
+fn a_piston_that_never_rests_is_followed_through_all_its_cycles() {
+    // Sines of thirty cycles and triangles of five: however many ways a move has, means of its rows are those of a short part of one.
+    for (shape, cycles) in [(Shape::Cosine, 30), (Shape::Ramp, 5)] {
+        let mut recipe = Recipe { repeats: 1, noise_pa: 100.0, ..Recipe::from_seed(52) };
+        for test in &mut recipe.tests {
+            let (to, ..) = test.moves[0];
+            test.moves = [(to, 0.5, shape, 0.0), (test.from_m, 0.5, shape, 0.0)].repeat(cycles);
+            test.moves.last_mut().unwrap().3 = 3.0;
+        }
+        let found = traced(&recipe);
+        assert_eq!(found.verdict, Verdict::Adequate, "{shape:?}: {:?}", names(found.chosen.model.effects));
+        let lambda0 = found.chosen.fit.chamber().heat_transfer.coefficient;
+        assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.01, "{shape:?}: {lambda0}");
+    }
+}
+
+#[test]
 fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(71) };
     recipe.faults.pressure_delay_s.between = 0.01;

@@ -6,6 +6,7 @@
 use crate::record::between_rows::{BetweenRows, Look};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase};
+use crate::record::turns;
 use crate::record::unresolved::Unresolved;
 use crate::record::whiten::IN_COMMON;
 use records::extremes;
@@ -98,6 +99,12 @@ pub fn blocks(
     const MOVE_PARTS: usize = 60;
     // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
     const CORNER_ROWS: usize = 20;
+    // Of a move of many cycles each way counts, and the piston may turn at a corner...
+    const WAY_PARTS: usize = 20;
+    const TURN_ROWS: usize = 3;
+    // ...where it comes back by so much: by this share of the move's way, and by so many times its noise.
+    const WAY_BACK: f64 = 0.02;
+    const WAY_BACK_IN_NOISE: f64 = 10.0;
     let mut out = Vec::new();
     let (low, high) = extremes(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.readings.period();
@@ -108,16 +115,30 @@ pub fn blocks(
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
+        let mut turns = Vec::new();
+        if s.phase == Phase::Move && rows > 0 {
+            let (low, high) = extremes(&position_m[s.first..s.end]);
+            let way_back_m = (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * motion.noise_m);
+            turns = turns::turns(data.iter().map(|&row| position_m[row]), way_back_m);
+        }
+        let ends_of_ways: Vec<usize> = [0].into_iter().chain(turns).chain([rows]).collect();
         let mut first = 0;
         while first < rows {
+            let behind = ends_of_ways.partition_point(|end| *end <= first);
+            let [turn, next] = [ends_of_ways[behind - 1], ends_of_ways[behind]];
+            let is_turning = first < turn + TURN_ROWS || first + TURN_ROWS >= next;
             let wanted = match s.phase {
                 Phase::Rest => rows.div_ceil(REST_PARTS),
                 Phase::Move if first < CORNER_ROWS || first + CORNER_ROWS >= rows => 1,
-                Phase::Move => (rows / MOVE_PARTS).min(rows - CORNER_ROWS - first),
+                Phase::Move if is_turning => 1,
+                Phase::Move => (rows / MOVE_PARTS)
+                    .min((next - turn) / WAY_PARTS)
+                    .min(next - TURN_ROWS - first)
+                    .min(rows - CORNER_ROWS - first),
                 Phase::Hold => (first / 10).min(rows.div_ceil(HOLD_PARTS)),
             };
             let mut end = first + wanted.max(1);
-            if end + wanted.max(1) / 2 >= rows {
+            if end + wanted / 2 >= rows {
                 end = rows;
             }
             let own = &data[first..end];
