@@ -17,6 +17,21 @@ pub struct Bends {
     pub rounding: f64,
 }
 
+/// Whether rows between readings, of which these are the squared bends, have a noise of their own, as those between the corners of a
+/// triangle have: then they are readings too. Rounding bends a straight line by one step at the most; where rows have no steps, all that
+/// bends it is that they do not come evenly while the column changes.
+pub fn scatter(squares: impl Iterator<Item = f64>, rounding: f64) -> bool {
+    /// The square of one and a half steps, over what rounding makes.
+    const OF_ROUNDING: f64 = 3.0;
+    let share = if rounding > 0.0 { 0.05 } else { 0.75 };
+    let (mut rows, mut scattered) = (0usize, 0usize);
+    for square in squares {
+        rows += 1;
+        scattered += usize::from(square > OF_ROUNDING * rounding);
+    }
+    scattered as f64 > share * rows as f64
+}
+
 impl Bends {
     /// Of a column's rows; one that is no number, and those beside it, show no bend.
     pub fn of(rows: &[f64]) -> Self {
@@ -73,6 +88,10 @@ impl Bends {
             at_readings += square;
             squares_there += square * square;
             readings += 1.0;
+        }
+        let between = self.squares.iter().enumerate().filter(|(row, _)| (row + 1) % period != first % period);
+        if scatter(between.map(|(_, square)| *square), self.rounding) {
+            return None;
         }
         let others = self.squares.len() as f64 - readings;
         let mean = (sum - at_readings) / others;

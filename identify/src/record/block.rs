@@ -99,12 +99,9 @@ pub fn blocks(
     const MOVE_PARTS: usize = 60;
     // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
     const CORNER_ROWS: usize = 20;
-    // Of a move of many cycles each way counts, and the piston may turn at a corner...
+    // Of a move of many cycles each way counts, and the piston may turn at a corner.
     const WAY_PARTS: usize = 20;
     const TURN_ROWS: usize = 3;
-    // ...where it comes back by so much: by this share of the move's way, and by so many times its noise.
-    const WAY_BACK: f64 = 0.02;
-    const WAY_BACK_IN_NOISE: f64 = 10.0;
     let mut out = Vec::new();
     let (low, high) = extremes(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.readings.period();
@@ -115,12 +112,12 @@ pub fn blocks(
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
         let rows = data.len();
-        let mut turns = Vec::new();
-        if s.phase == Phase::Move && rows > 0 {
-            let (low, high) = extremes(&position_m[s.first..s.end]);
-            let way_back_m = (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * motion.noise_m);
-            turns = turns::turns(data.iter().map(|&row| position_m[row]), way_back_m);
-        }
+        let turns = match s.phase {
+            Phase::Move => {
+                turns::of_positions(&data.iter().map(|&row| position_m[row]).collect::<Vec<f64>>(), motion.noise_m)
+            }
+            Phase::Rest | Phase::Hold => Vec::new(),
+        };
         let ends_of_ways: Vec<usize> = [0].into_iter().chain(turns).chain([rows]).collect();
         let mut first = 0;
         while first < rows {

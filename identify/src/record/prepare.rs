@@ -15,6 +15,7 @@ use crate::record::row_time::usual_row_s;
 use crate::record::saturation::{self, End};
 use crate::record::start_up;
 use crate::record::stroke::{Motion, Phase, Spline};
+use crate::record::turns;
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
 use crate::record::{checks, clock, gaps};
@@ -81,7 +82,7 @@ impl Data {
         let deviation_pa = noise.white_pa.hypot(noise.rounding_pa());
         for c in &mut columns {
             c.readout.starting = c.starting(deviation_pa);
-            c.readout.outliers = outliers::spikes(&c.pressure_pa, &c.readout, noise.white_pa.max(noise.step_pa));
+            c.readout.outliers = c.spikes(noise.white_pa.max(noise.step_pa));
             c.readout.opened = c.opened(deviation_pa);
         }
         let leaves_out = |r: &Readout| r.starting > 0 || !r.outliers.is_empty() || r.opened.is_some();
@@ -222,6 +223,18 @@ impl<'a> Columns<'a> {
         let settling = start_up::readings(&pressures_pa);
         let settled = rows[..settling].last().map_or(0, |last| last + 1);
         settled.max(shut_from(&times_s, &pressures_pa, noise_pa).map_or(0, |first| rows[first]))
+    }
+
+    /// Rows whose pressure stands out of both neighbours, but where the piston stops or turns: there the pressure itself has a corner.
+    fn spikes(&self, noise_pa: f64) -> Vec<usize> {
+        /// Rows between the pressure's corner and the piston's, at the most.
+        const BESIDE: usize = 1;
+        let moves = self.motion.segments.iter().filter(|s| s.phase == Phase::Move);
+        let stops = moves.flat_map(|s| [s.from_s, s.to_s]).map(|time| self.time_s.partition_point(|t| *t < time));
+        let turns = turns::of_positions(&self.trace.position_m, self.motion.noise_m);
+        let corners: Vec<usize> = turns.into_iter().chain(stops).collect();
+        let is_apart = |row: &usize| corners.iter().all(|corner| row.abs_diff(*corner) > BESIDE);
+        outliers::spikes(&self.pressure_pa, &self.readout, noise_pa).into_iter().filter(is_apart).collect()
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.

@@ -4,6 +4,7 @@
 //! where it jumps by many steps of the sensor, or in its noise; that of the latter in its noise, as with a pressure, or in a move,
 //! where it bends by many steps.
 
+use super::super::bends::{Bends, scatter};
 use super::super::lattice;
 use super::super::position_noise::{NOTHING_M, step};
 use super::super::readout::{Between, changes, interpolated};
@@ -95,13 +96,15 @@ fn no_chance(distances: usize, period: usize) -> bool {
 
 /// The rows that a readout was read in that is interpolated in between: they bend more than the others, and some by many steps.
 fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
-    const MICROMETRES: f64 = 1e6;
-    let scaled: Vec<f64> = position_m.iter().map(|x| MICROMETRES * x).collect();
-    let readout = interpolated(&scaled)?;
+    let readout = interpolated(&micrometres(position_m))?;
     // An encoder's single steps along a steady way can fall on every k-th row as well.
     let bends: Vec<usize> = bends(position_m).into_iter().filter(|&row| readout.is_reading(row)).collect();
     let shown = bends.len() >= FEWEST_JUMPS && between_ways(position_m, &bends, readout.period);
     shown.then(|| (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect())
+}
+
+fn micrometres(position_m: &[f64]) -> Vec<f64> {
+    position_m.iter().map(|x| 1e6 * x).collect()
 }
 
 /// The same where a move bends so much at every reading that nothing else does: most bends are one reading apart.
@@ -111,6 +114,9 @@ fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
     let period = common_divisor(&gaps).filter(|period| no_chance(gaps.len(), *period))?;
     let one_apart = gaps.iter().filter(|gap| **gap == period).count();
     let shown = 2 * one_apart > gaps.len() && between_ways(position_m, &bends, period);
+    let Bends { squares, rounding, .. } = Bends::of(&micrometres(position_m));
+    let between = squares.into_iter().zip(1..).filter(|(_, row)| row % period != bends[0] % period);
+    let shown = shown && !scatter(between.map(|(square, _)| square), rounding);
     shown.then(|| (bends[0] % period..position_m.len()).step_by(period).collect())
 }
 
@@ -156,6 +162,20 @@ mod tests {
         let planned: Vec<f64> = (0..4000).map(|row| ((0.1 - far(row) * share(row)) * 1e6).round() * 1e-6).collect();
         assert!(bends(&planned).len() > 20);
         assert_eq!(readings(&planned), None);
+    }
+
+    #[test]
+    fn the_corners_of_a_triangle_are_no_readings_where_the_rows_between_them_have_a_noise_of_their_own() {
+        let mut random = Random::new(9);
+        for (noise_m, step_m) in [(5e-6, 1e-6), (1e-6, 1e-6), (1e-6, 1e-9), (5e-7, 1e-6)] {
+            let corner = |row: usize| (row % 100) as f64 / 50.0 - 1.0;
+            let place = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
+            let triangle: Vec<f64> = (0..1000)
+                .map(|row| if row < 100 || row > 900 { 0.1 } else { place(row) } + noise_m * random.normal())
+                .map(|x| (x / step_m).round() * step_m)
+                .collect();
+            assert_eq!(readings(&triangle), None, "noise of {noise_m} m in steps of {step_m} m");
+        }
     }
 
     /// Read at every 20th row from the fifth on, straight in between, and rounded to 1 µm: so many moves of 0.2 s at 100 Hz.

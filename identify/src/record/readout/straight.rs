@@ -3,7 +3,7 @@
 //! Between two readings the rows lie on a straight line. Where two lines meet between two rows, both of these bend, each in proportion
 //! to how near it is to the reading: both together tell when it was. Its pressure is that of the lines there.
 
-use super::super::bends::{Bends, MOST_OF_USUAL};
+use super::super::bends::{Bends, MOST_OF_USUAL, scatter};
 use super::beat::{BY_CHANCE, Beat, Mark};
 use super::even::{Between, FEWEST_READINGS, LONGEST};
 use super::uneven::{Reading, Uneven};
@@ -106,13 +106,17 @@ impl Bent {
         }
         let reach = 1.0 + BEAT_KNOWN_TO;
         let [mut there, mut between] = [(0.0, 0), (0.0, 0)];
+        let mut squares_between = Vec::with_capacity(self.squares.len());
         for (i, square) in self.squares.iter().enumerate().filter(|(i, _)| !self.bends[*i].is_nan()) {
             let row = (i + 1) as f64;
             let off = (row - beat.at(beat.nearest(row))).abs();
             let of = if off < reach { &mut there } else { &mut between };
             *of = (of.0 + square, of.1 + 1);
+            if off >= reach {
+                squares_between.push(*square);
+            }
         }
-        if between.1 < FEWEST_ROWS || there.1 == 0 {
+        if between.1 < FEWEST_ROWS || there.1 == 0 || scatter(squares_between.into_iter(), self.rounding) {
             return false;
         }
         let [mean_there, mean_between] = [there, between].map(|(sum, count)| sum / count as f64);
