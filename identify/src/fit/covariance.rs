@@ -136,15 +136,15 @@ impl Parts {
 }
 
 /// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor and, in an adequate fit,
-/// the heat capacity ratio of a gas that was moved to where the records ask for it. Of these the records tell more: the root of the mean
-/// square that they leave possible. Values in a gas as stated are off by its whole tolerance, whatever the records would ask for.
+/// a heat capacity ratio or a zero of the positions that was moved to where the records ask for it. Of these the records tell more: the
+/// root of the mean square that they leave possible. Values with one as stated are off by its whole tolerance, whatever the records would
+/// ask for.
 fn spread_of_stated(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
     let (free, all) = (fit.rig.len(), fit.information.ncols());
     let adapting: Vec<usize> = (0..all).filter(|&i| fit.adapts[i] && fit.information[(i, i)] > 0.0).collect();
     let count = adapting.len();
     let known = inverse(&DMatrix::from_fn(count, count, |i, j| fit.information[(adapting[i], adapting[j])]));
-    let is_moved_gas = |axis: &Axis| axis.slot == Slot::HeatCapacityRatio && axis.mean() != 0.0;
-    let shows = |axis: &Axis| axis.slot.is_wave() || is_adequate && is_moved_gas(axis);
+    let shows = |axis: &Axis| axis.slot.is_wave() || is_adequate && axis.mean() != 0.0;
     let left_possible = |k: usize| {
         let place = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
         let variance = known.as_ref()?[(place, place)];

@@ -153,18 +153,18 @@ impl Fit {
         self.hypothesis.stated.iter().zip(&self.moved).map(|(axis, moved)| (axis, moved - axis.mean()))
     }
 
-    /// How far the records ask for the gas's heat capacity ratio to move, in tolerances, and what [`Fit::marginal`] is without that.
-    pub fn gas_asked(&self) -> Option<(f64, f64)> {
-        let (gas, mut adapts) = (self.gas()?, self.adapts.clone());
-        adapts[self.rig.len() + gas] = false;
+    /// How far the records ask for a stated number to move, in tolerances, and what [`Fit::marginal`] is without that.
+    pub fn asked(&self, slot: Slot) -> Option<(f64, f64)> {
+        let (place, mut adapts) = (self.place_of(slot)?, self.adapts.clone());
+        adapts[self.rig.len() + place] = false;
         let (left, _) = self.best_weighed(&self.as_stated(), &adapts)?;
-        Some((self.moved[gas], left))
+        Some((self.moved[place], left))
     }
 
     /// [`Fit::marginal`] with the geometry's and the temperatures' tolerances so many times as wide, and the gas within its own.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
         let mut weights = vec![1.0 / (factor * factor); self.moved.len()];
-        self.gas().into_iter().for_each(|gas| weights[gas] = 1.0);
+        self.place_of(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
         self.best_weighed(&weights, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
@@ -195,7 +195,7 @@ impl Fit {
         const ROUNDS: usize = 3;
         let mut weights = self.as_stated();
         let mut best = self.best_weighed(&weights, adapts)?;
-        if let Some(gas) = self.gas() {
+        if let Some(gas) = self.place_of(Slot::HeatCapacityRatio) {
             for _ in 0..ROUNDS {
                 weights[gas] = (best.0 / self.blocks.max(1) as f64).max(1.0);
                 best = self.best_weighed(&weights, adapts)?;
@@ -231,9 +231,9 @@ impl Fit {
         vec![1.0; self.moved.len()]
     }
 
-    /// Which of the stated numbers is the gas's heat capacity ratio.
-    fn gas(&self) -> Option<usize> {
-        self.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio)
+    /// Which of the stated numbers that is.
+    fn place_of(&self, slot: Slot) -> Option<usize> {
+        self.hypothesis.stated.iter().position(|axis| axis.slot == slot)
     }
 
     /// Which of them are the waves of a position sensor.

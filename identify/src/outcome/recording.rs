@@ -307,6 +307,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let mut out = Vec::new();
     let fit = &found.chosen.fit;
     out.extend(stated_numbers::moved_gas(data));
+    out.extend(stated_numbers::moved_zero(data));
     out.extend(stated_numbers::sentence(data, fit));
     if found.verdict != Verdict::Adequate {
         out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));

@@ -34,6 +34,19 @@ pub fn moved_gas(data: &Data) -> Option<String> {
     })
 }
 
+/// That all numbers are given for another zero of the positions than the stated one, where the search took it as the records ask for it.
+pub fn moved_zero(data: &Data) -> Option<String> {
+    let millimetres = 1e3 * data.zero_moved * data.tolerance.position_offset_m;
+    (data.zero_moved != 0.0).then(|| {
+        format!(
+            "the records ask for positions {:.2} mm {} than recorded, {:.1} times the tolerance of their zero: all numbers are given for those, and the known dead volume with the difference in it",
+            millimetres.abs(),
+            if millimetres < 0.0 { "smaller" } else { "larger" },
+            data.zero_moved.abs()
+        )
+    })
+}
+
 /// What a position sensor farther from straight than its tolerance allows would make of the paper's model, where it would account for
 /// the records alone.
 pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {

@@ -37,7 +37,11 @@ fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
         (Slot::RestTemperature, rest),
     ];
     let all = numbers.into_iter().chain((0..WAVES).map(wave)).filter(|(_, scale)| *scale > 0.0);
-    let mean = |slot| if slot == Slot::HeatCapacityRatio { -data.gas_moved } else { 0.0 };
+    let mean = |slot| match slot {
+        Slot::HeatCapacityRatio => -data.gas_moved,
+        Slot::PositionZero => -data.zero_moved,
+        _ => 0.0,
+    };
     all.map(|(slot, scale)| Axis { prior: Some([mean(slot), 1.0]), ..within_tolerance(slot, scale) }).collect()
 }
 

@@ -149,6 +149,8 @@ pub struct Data {
     pub dead_volume_m3: f64,
     /// Whether that is known and stays.
     pub dead_volume_known: bool,
+    /// How far the zero of the positions, which it is counted from, has been moved from the one that the rig states, in tolerances.
+    pub zero_moved: f64,
     /// Mean ambient temperature, K.
     pub ambient_temperature_k: f64,
     /// Whether that is an assumption.
@@ -180,6 +182,13 @@ impl Data {
     pub fn in_gas_moved(mut self, tolerances: f64) -> Self {
         self.gas.heat_capacity_ratio *= 1.0 + tolerances * self.tolerance.heat_capacity_ratio;
         self.gas_moved += tolerances;
+        self
+    }
+
+    /// The same with the zero of the positions so many tolerances farther from the one that the rig states: in the known dead volume.
+    pub fn with_zero_moved(mut self, tolerances: f64) -> Self {
+        self.dead_volume_m3 += self.cylinder.piston_area_m2 * tolerances * self.tolerance.position_offset_m;
+        self.zero_moved += tolerances;
         self
     }
 

@@ -103,6 +103,7 @@ impl Data {
             cylinder: rig.cylinder,
             dead_volume_m3: rig.dead_volume.map_or_else(|| first_guess(&traces, area), |d| d.value_m3),
             dead_volume_known: rig.dead_volume.is_some_and(|d| d.known),
+            zero_moved: 0.0,
             ambient_temperature_k: traces.iter().map(|t| t.initial_temperature_k).sum::<f64>() / traces.len() as f64,
             ambient_temperature_assumed,
             ambient_pressure_pa: rig.ambient.pressure_pa,

@@ -6,27 +6,28 @@
 //! the ratio it asks for has decisive evidence, all is therefore searched again in the gas with that ratio. Its prior stays where the rig
 //! states it.
 
-use super::{Found, search_as_stated};
+use super::{Found, at_zero};
 use crate::error::Error;
 use crate::judge::evidence;
+use crate::parameters::Slot;
 use crate::policy;
 use crate::record::data::Data;
 
 /// Searches in the stated gas, and once more in another one where the records ask for it; what is found there counts.
 ///
 /// # Errors
-/// As [`search_as_stated`].
+/// As [`at_zero::search`].
 pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
-    let (data, found) = search_as_stated(data, progress)?;
+    let (data, found) = at_zero::search(data, progress)?;
     let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, in the gas that the records ask for"), share);
-    let moved = search_as_stated(data.clone().in_gas_moved(tolerances), &again);
+    let moved = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
     Ok(moved.ok().filter(|(_, there)| !is_likelier(&found, there)).unwrap_or((data, found)))
 }
 
-/// Whether the set that was found has decisively more evidence than what was found in the other gas: it may only have become too small
-/// to be minded there.
-fn is_likelier(found: &Found, there: &Found) -> bool {
+/// Whether the set that was found has decisively more evidence than what was found with the stated number moved: it may only have become
+/// too small to be minded there.
+pub(super) fn is_likelier(found: &Found, there: &Found) -> bool {
     let same = there.tried.iter().find(|c| c.model == found.reported().model);
     same.is_some_and(|same| same.delta_bic > there.reported().delta_bic + policy::DECISIVE)
 }
@@ -37,7 +38,7 @@ fn asked(found: &Found) -> Option<f64> {
         return None;
     }
     let fit = &found.reported().fit;
-    let (tolerances, left) = fit.gas_asked()?;
+    let (tolerances, left) = fit.asked(Slot::HeatCapacityRatio)?;
     let bic = |squares| evidence::of_squares(squares, fit.blocks, 0);
     (bic(left) - bic(fit.marginal) > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some(tolerances)
 }

@@ -12,6 +12,7 @@
 
 mod alike;
 pub mod anew;
+mod at_zero;
 pub mod baseline;
 mod conclude;
 mod contradictions;

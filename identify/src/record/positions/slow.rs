@@ -171,7 +171,7 @@ mod tests {
             let corner = |row: usize| (row % 100) as f64 / 50.0 - 1.0;
             let place = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
             let triangle: Vec<f64> = (0..1000)
-                .map(|row| if row < 100 || row > 900 { 0.1 } else { place(row) } + noise_m * random.normal())
+                .map(|row| if !(100..=900).contains(&row) { 0.1 } else { place(row) } + noise_m * random.normal())
                 .map(|x| (x / step_m).round() * step_m)
                 .collect();
             assert_eq!(readings(&triangle), None, "noise of {noise_m} m in steps of {step_m} m");

@@ -1,0 +1,67 @@
+//! The zero of the positions that the records ask for, where the dead volume is known.
+//!
+//! The zero stays as stated in every fit; for the evidence alone it moves within its tolerance, to first order. Of an offset of a
+//! millimetre near the end of the chamber what that leaves is many times the noise of quiet records, and an effect takes it up
+//! (`tube_volume`). Where the model that is reported, or that without one of its terms, asks for another zero with decisive evidence, all is
+//! therefore searched again with the dead volume counted from there. The zero's prior stays where the rig states it. A dead volume that
+//! is not known is free, and has the zero in it.
+
+use super::{Candidate, Found, in_gas, search_as_stated, terms};
+use crate::error::Error;
+use crate::judge::evidence;
+use crate::parameters::Slot;
+use crate::policy;
+use crate::record::data::Data;
+
+/// Searches with the zero as stated, and once more with another one where the records ask for it; what is found there counts.
+///
+/// # Errors
+/// As [`search_as_stated`].
+pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
+    let (data, found) = search_as_stated(data, progress)?;
+    let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
+    let again = |what: &str, share: f64| progress(&format!("{what}, with the positions' zero moved"), share);
+    let moved = search_as_stated(data.clone().with_zero_moved(tolerances), &again);
+    Ok(moved.ok().filter(|(_, there)| !in_gas::is_likelier(&found, there)).unwrap_or((data, found)))
+}
+
+/// How many tolerances the zero is off, where the records leave little doubt of it.
+fn asked(found: &Found) -> Option<f64> {
+    let reported = &found.reported().model;
+    let is_near = |c: &&Candidate| terms::is_part(&c.model, reported) && c.model.terms() + 1 >= reported.terms();
+    let near = found.tried.iter().chain([&found.baseline, found.reported()]).filter(is_near);
+    let asks = near.filter_map(|c| {
+        let (tolerances, left) = c.fit.asked(Slot::PositionZero)?;
+        let gain = evidence::of_squares(left, c.fit.blocks, 0) - evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
+        (gain > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some((c.delta_bic, tolerances))
+    });
+    asks.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tolerances)| tolerances)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::Verdict;
+    use crate::synthetic::Recipe;
+    use chamber::effects::EffectSet;
+    use records::DeadVolume;
+
+    #[test]
+    fn positions_that_are_off_within_their_tolerance_are_no_effect_where_the_dead_volume_is_known() {
+        for off_m in [0.0, 9e-4, -9e-4] {
+            let recipe = Recipe { repeats: 2, noise_pa: 100.0, ..Recipe::from_seed(5) };
+            let mut rig = recipe.rig();
+            let known_m3 = recipe.chamber.geometry.dead_volume;
+            rig.dead_volume = Some(DeadVolume { value_m3: known_m3, known: true });
+            let positions = rig.experiments.iter_mut().flat_map(|e| &mut e.traces).flat_map(|t| &mut t.position_m);
+            positions.for_each(|x| *x += off_m);
+            let (data, found) = search(Data::prepare(&rig).unwrap(), &|_, _| ()).unwrap();
+            let reported = found.reported();
+            assert_eq!((found.verdict, reported.model.effects), (Verdict::Adequate, EffectSet::NONE), "{off_m}");
+            let zero_m3 = recipe.chamber.geometry.piston_area * off_m;
+            assert!((data.dead_volume_m3 - (known_m3 - zero_m3)).abs() <= 0.1 * zero_m3.abs(), "{off_m}");
+            let lambda0 = reported.fit.chamber().heat_transfer.coefficient;
+            assert!((lambda0 / recipe.chamber.heat_transfer.coefficient - 1.0).abs() < 0.01, "{off_m}: {lambda0}");
+        }
+    }
+}
