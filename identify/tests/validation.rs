@@ -87,7 +87,7 @@ fn what_tests_shortly_before_have_left_of_warmth_is_fitted_anew_where_the_models
     let noise_pa = recipe.noise_rms_pa();
     for whole_record in [true, false] {
         let [cold, warm] = [&cold, &warm].map(|model| error_pa(model, whole_record));
-        assert!(warm < 2.0 * noise_pa && cold > 3.0 * warm, "{cold} {warm} Pa, noise {noise_pa} Pa");
+        assert!(warm < 1.7 * noise_pa && cold > 2.5 * warm, "{cold} {warm} Pa, noise {noise_pa} Pa");
     }
 }
 
