@@ -5,6 +5,7 @@ pub mod diagnosis;
 pub mod estimates;
 pub(crate) mod identification;
 pub(crate) mod next_experiment;
+mod other_gas;
 pub(crate) mod over_sets;
 pub(crate) mod probability;
 pub mod read_off;

@@ -1,7 +1,7 @@
 //! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
 
 use super::estimates::{Estimates, as_map};
-use super::stated_numbers;
+use super::{other_gas, stated_numbers};
 use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
@@ -309,6 +309,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     out.extend(stated_numbers::moved_gas(data));
     out.extend(stated_numbers::moved_zero(data));
     out.extend(stated_numbers::sentence(data, fit));
+    out.extend(other_gas::sentence(data, found));
     if found.verdict != Verdict::Adequate {
         out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));
     }

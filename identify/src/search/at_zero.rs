@@ -6,7 +6,7 @@
 //! therefore searched again with the dead volume counted from there. The zero's prior stays where the rig states it. A dead volume that
 //! is not known is free, and has the zero in it.
 
-use super::{Candidate, Found, in_gas, search_as_stated, terms};
+use super::{Candidate, Found, search_as_stated, terms};
 use crate::error::Error;
 use crate::judge::evidence;
 use crate::parameters::Slot;
@@ -22,7 +22,7 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, with the positions' zero moved"), share);
     let moved = search_as_stated(data.clone().with_zero_moved(tolerances), &again);
-    Ok(moved.ok().filter(|(_, there)| !in_gas::is_likelier(&found, there)).unwrap_or((data, found)))
+    Ok(moved.ok().filter(|(_, there)| !found.is_likelier_than(there)).unwrap_or((data, found)))
 }
 
 /// How many tolerances the zero is off, where the records leave little doubt of it.

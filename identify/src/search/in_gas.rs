@@ -22,14 +22,7 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, in the gas that the records ask for"), share);
     let moved = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
-    Ok(moved.ok().filter(|(_, there)| !is_likelier(&found, there)).unwrap_or((data, found)))
-}
-
-/// Whether the set that was found has decisively more evidence than what was found with the stated number moved: it may only have become
-/// too small to be minded there.
-pub(super) fn is_likelier(found: &Found, there: &Found) -> bool {
-    let same = there.tried.iter().find(|c| c.model == found.reported().model);
-    same.is_some_and(|same| same.delta_bic > there.reported().delta_bic + policy::DECISIVE)
+    Ok(moved.ok().filter(|(_, there)| !found.is_likelier_than(there)).unwrap_or((data, found)))
 }
 
 /// How many tolerances the gas is off, where the records leave little doubt of it.
@@ -88,7 +81,7 @@ mod tests {
         let (_, found) = found_of(&recipe.clone().with("leakage", &[recipe.leak_of(1.0)]));
         // The paper's model is what is reported there.
         let there = Found { verdict: Verdict::Unexplained, ..found.clone() };
-        assert!(is_likelier(&found, &there) && !is_likelier(&found, &found));
+        assert!(found.is_likelier_than(&there) && !found.is_likelier_than(&found));
     }
 
     #[test]

@@ -1,0 +1,74 @@
+//! Another gas in the chamber than the rig file has: with its heat capacity ratio the paper's model alone leaves next to nothing.
+
+use crate::judge::misfit;
+use crate::record::data::Data;
+use crate::search::{Found, Verdict, baseline};
+use chamber::Gas;
+use chamber::words::listed;
+use report::digits;
+
+/// Gases whose heat capacity ratios differ by less than this share of them are not told apart.
+const ALIKE: f64 = 0.02;
+/// What is left with another gas, over what was left with the stated one, at the most.
+const NEXT_TO_NOTHING: f64 = 0.05;
+
+/// What is said of it, where no effect explains the records.
+pub fn sentence(data: &Data, found: &Found) -> Option<String> {
+    if matches!(found.verdict, Verdict::Adequate | Verdict::Explained) {
+        return None;
+    }
+    let (stated, before_pa) = (data.gas.heat_capacity_ratio, found.baseline_adequacy.systematic_pa);
+    let are_alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
+    let mut tried: Vec<f64> = vec![stated];
+    for (_, gas) in Gas::NAMED {
+        let ratio = gas.heat_capacity_ratio;
+        if tried.iter().any(|other| are_alike(*other, ratio)) {
+            continue;
+        }
+        tried.push(ratio);
+        let left_pa = systematic_in(data.clone(), gas);
+        if left_pa.is_some_and(|left_pa| left_pa < NEXT_TO_NOTHING * before_pa) {
+            let of_ratio = Gas::NAMED.iter().filter(|(_, other)| are_alike(other.heat_capacity_ratio, ratio));
+            let names: Vec<&str> = of_ratio.map(|(name, _)| *name).collect();
+            return Some(format!(
+                "with the heat capacity ratio {ratio} of {} in the place of {stated} the paper's model alone leaves {} of {} Pa: state the gas that is in the chamber, as in [gas] name = \"{}\"",
+                listed(&names),
+                digits(left_pa.unwrap_or(0.0), 2),
+                digits(before_pa, 3),
+                names[0]
+            ));
+        }
+    }
+    None
+}
+
+/// The systematic part, Pa, of what the paper's model leaves in that gas.
+fn systematic_in(mut data: Data, gas: Gas) -> Option<f64> {
+    data.gas = gas;
+    let (data, fit) = baseline::fitted(data).ok()?;
+    Some(misfit::systematic(&data, &misfit::residuals(&data, &fit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::search;
+    use crate::synthetic::Recipe;
+
+    /// What is said of a rig with argon, or with a leak of air, in the chamber whose file says air.
+    fn said_of(recipe: &Recipe) -> Option<String> {
+        let mut rig = recipe.rig();
+        rig.gas.gas = Gas::AIR;
+        let (data, found) = search(Data::prepare(&rig).unwrap(), &|_, _| ()).unwrap();
+        sentence(&data, &found)
+    }
+
+    #[test]
+    fn a_gas_that_is_not_the_stated_one_is_told_by_its_heat_capacity_ratio() {
+        let mut recipe = Recipe { repeats: 1, noise_pa: 60.0, ..Recipe::from_seed(5) };
+        assert_eq!(said_of(&recipe), None);
+        recipe.chamber.gas = Gas::named("argon").unwrap();
+        let said = said_of(&recipe).unwrap();
+        assert!(said.contains("1.667 of argon and helium") && said.contains("name = \"argon\""), "{said}");
+    }
+}
