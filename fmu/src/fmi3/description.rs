@@ -8,8 +8,7 @@ use crate::table::settable;
 use crate::table::states::state_of_role;
 use crate::table::structure::Unknown;
 use crate::table::units::Quantity;
-use crate::table::variable::Enumeration;
-use crate::table::variable::{Type, Variable};
+use crate::table::variable::{Enumeration, Type, Variable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 

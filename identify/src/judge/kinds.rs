@@ -16,12 +16,11 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 /// what their noise allows. The stated numbers are where the records ask for them: what these are off by makes all records of a kind
 /// differ alike.
 pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
-    let is_asked = |axis: &Axis<Own>| matches!(axis.slot, Own::Effect(..) | Own::WallTemperature);
-    let asked: Vec<Own> = match data.traces.first() {
-        Some(t) => fit.hypothesis.own_of(t).iter().filter(|axis| is_asked(axis)).map(|axis| axis.slot).collect(),
-        None => return false,
-    };
-    if asked.is_empty() {
+    let axes: Vec<Vec<Axis<Own>>> = data.traces.iter().map(|t| fit.hypothesis.own_of(t)).collect();
+    // Every record has these.
+    let slots = axes.iter().take(1).flatten().map(|axis| axis.slot);
+    let mut asked = slots.filter(|slot| matches!(slot, Own::Effect(..) | Own::WallTemperature)).peekable();
+    if asked.peek().is_none() {
         return false;
     }
     let rig = covariance::by_records(fit, false);
@@ -29,8 +28,7 @@ pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
     let deviations: Vec<Option<Vec<f64>>> = (0..data.traces.len())
         .map(|k| Some(covariance::of_record(fit, k, &rig)?.diagonal().iter().map(|v| v.sqrt()).collect()))
         .collect();
-    let axes: Vec<Vec<Axis<Own>>> = data.traces.iter().map(|t| fit.hypothesis.own_of(t)).collect();
-    asked.into_iter().any(|slot| {
+    asked.any(|slot| {
         let mut kinds: Vec<Vec<f64>> = vec![Vec::new(); data.experiments.len()];
         let mut uncertainty = 0f64;
         for (((t, axes), own), deviation) in data.traces.iter().zip(&axes).zip(&numbers).zip(&deviations) {

@@ -10,7 +10,7 @@ use report::digits;
 /// Gases whose heat capacity ratios differ by less than this share of them are not told apart.
 const ALIKE: f64 = 0.02;
 /// What is left with another gas, over what was left with the stated one, at the most.
-const NEXT_TO_NOTHING: f64 = 0.05;
+const MOST_LEFT: f64 = 0.05;
 
 /// What is said of it, where no effect explains the records.
 pub fn sentence(data: &Data, found: &Found) -> Option<String> {
@@ -26,18 +26,17 @@ pub fn sentence(data: &Data, found: &Found) -> Option<String> {
             continue;
         }
         tried.push(ratio);
-        let left_pa = systematic_in(data.clone(), gas);
-        if left_pa.is_some_and(|left_pa| left_pa < NEXT_TO_NOTHING * before_pa) {
-            let of_ratio = Gas::NAMED.iter().filter(|(_, other)| are_alike(other.heat_capacity_ratio, ratio));
-            let names: Vec<&str> = of_ratio.map(|(name, _)| *name).collect();
-            return Some(format!(
-                "with the heat capacity ratio {ratio} of {} in the place of {stated} the paper's model alone leaves {} of {} Pa: state the gas that is in the chamber, as in [gas] name = \"{}\"",
-                listed(&names),
-                digits(left_pa.unwrap_or(0.0), 2),
-                digits(before_pa, 3),
-                names[0]
-            ));
-        }
+        let left_pa = systematic_in(data.clone(), gas).filter(|left_pa| *left_pa < MOST_LEFT * before_pa);
+        let Some(left_pa) = left_pa else { continue };
+        let of_ratio = Gas::NAMED.iter().filter(|(_, other)| are_alike(other.heat_capacity_ratio, ratio));
+        let names: Vec<&str> = of_ratio.map(|(name, _)| *name).collect();
+        return Some(format!(
+            "with the heat capacity ratio {ratio} of {} in the place of {stated} the paper's model alone leaves {} of {} Pa: state the gas that is in the chamber, as in [gas] name = \"{}\"",
+            listed(&names),
+            digits(left_pa, 2),
+            digits(before_pa, 3),
+            names[0]
+        ));
     }
     None
 }
@@ -55,7 +54,7 @@ mod tests {
     use crate::search::search;
     use crate::synthetic::Recipe;
 
-    /// What is said of a rig with argon, or with a leak of air, in the chamber whose file says air.
+    /// What is said of a rig whose file says that air is in the chamber.
     fn said_of(recipe: &Recipe) -> Option<String> {
         let mut rig = recipe.rig();
         rig.gas.gas = Gas::AIR;

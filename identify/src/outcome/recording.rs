@@ -346,7 +346,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     out.extend(positions_too_far(&found.reported().fit, found.adequacy().is_adequate()));
     if found.follows_the_test {
         let Model { own, own_start, .. } = found.chosen.model;
-        let wall = (own_start == OwnStart::GasAndWall).then_some("initial_wall_temperature");
+        let wall = Some(own_start).filter(|start| *start == OwnStart::GasAndWall).and_then(OwnStart::term);
         let names: Vec<&str> = own.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
         out.push(format!(
             "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",

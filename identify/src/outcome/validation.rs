@@ -1,8 +1,9 @@
 //! `validate`: a model against records that took no part in finding it.
 //!
 //! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
-//! motion or where the model's records had their own, and the parameters of recording effects. They are fitted to the record's start, its rest and its first move, and
-//! the rest of it is predicted, with the model's drift; or, with the whole record, to all of it.
+//! motion or where the model's records had their own, and the parameters of recording effects. They are fitted to the record's
+//! start, its rest and its first move, and the rest of it is predicted, with the model's drift; or, with the whole record, to all
+//! of it.
 
 use super::at_bound::OwnFit;
 use super::estimates::{Estimates, as_map};
@@ -112,18 +113,13 @@ pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Vali
         data = data.without(&found);
         compared = Compared::of(&data, model, whole_record)?;
     }
-    let (squares, count) = compared.squares(&data);
-    if count == 0 {
-        return Err(Error::NothingToCompare { rig: rig.path.clone() });
-    }
-    let rmse_pa = (squares / count as f64).sqrt();
+    let rmse_pa = compared.rmse_pa().ok_or_else(|| Error::NothingToCompare { rig: rig.path.clone() })?;
     let warm_start = warm_start(&data, model, whole_record, rmse_pa)?;
-    let Compared { parameters, residuals, judged_from } = compared;
+    let Compared { parameters, residuals, judged_from, squares } = compared;
     let mut records = Vec::with_capacity(parameters.len());
-    for ((parameters, residual), (t, &from)) in
-        parameters.into_iter().zip(&residuals).zip(data.traces.iter().zip(&judged_from))
+    for ((parameters, (sum, rows)), (t, &from)) in
+        parameters.into_iter().zip(squares).zip(data.traces.iter().zip(&judged_from))
     {
-        let (sum, rows) = misfit::squares(t, residual, from);
         records.push(RecordError {
             trace: t.path.display().to_string(),
             parameters,
@@ -159,9 +155,8 @@ fn warm_start(data: &Data, model: &Predictor, whole_record: bool, rmse_pa: f64) 
         return Ok(None);
     }
     let of_each_record = OfEachRecord { initial_temperature: true, ..model.of_each_record };
-    let (squares, count) = Compared::of(data, &Predictor { of_each_record, ..*model }, whole_record)?.squares(data);
-    let warm_pa = (squares / count as f64).sqrt();
-    Ok((warm_pa < BY_WARMTH * rmse_pa).then(|| {
+    let warm = Compared::of(data, &Predictor { of_each_record, ..*model }, whole_record)?;
+    Ok(warm.rmse_pa().filter(|warm_pa| *warm_pa < BY_WARMTH * rmse_pa).map(|warm_pa| {
         format!(
             "with initial temperatures of their own the records differ from the model by {} Pa rms: gas or wall had not reached the temperature of the surroundings when they begin",
             digits(warm_pa, 3)
@@ -176,6 +171,8 @@ struct Compared {
     residuals: Vec<Vec<f64>>,
     /// The first row that is judged.
     judged_from: Vec<usize>,
+    /// Sum of the squares of what is judged, Pa², and how many rows that are.
+    squares: Vec<(f64, usize)>,
 }
 
 impl Compared {
@@ -189,15 +186,16 @@ impl Compared {
             .into_par_iter()
             .map(|k| of_record(weighed, &hypothesis, k, until(k)))
             .collect::<Result<_, _>>()?;
-        let (parameters, residuals) = found.into_iter().unzip();
-        Ok(Self { parameters, residuals, judged_from })
+        let (parameters, residuals): (Vec<Estimates>, Vec<Vec<f64>>) = found.into_iter().unzip();
+        let of_each = data.traces.iter().zip(&residuals).zip(&judged_from);
+        let squares = of_each.map(|((t, residual), &from)| misfit::squares(t, residual, from)).collect();
+        Ok(Self { parameters, residuals, judged_from, squares })
     }
 
-    /// Sum of the squares of what is judged, Pa², and how many rows that are.
-    fn squares(&self, data: &Data) -> (f64, usize) {
-        let of_each = data.traces.iter().zip(&self.residuals).zip(&self.judged_from);
-        let squares = of_each.map(|((t, residual), &from)| misfit::squares(t, residual, from));
-        squares.fold((0.0, 0), |(sum, rows), (more, further)| (sum + more, rows + further))
+    /// Error over all rows that are judged, Pa rms; none where there are none.
+    fn rmse_pa(&self) -> Option<f64> {
+        let all = self.squares.iter().fold((0.0, 0), |(sum, rows), (more, further)| (sum + more, rows + further));
+        (all.1 > 0).then(|| (all.0 / all.1 as f64).sqrt())
     }
 }
 

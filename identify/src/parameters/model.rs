@@ -14,6 +14,20 @@ pub enum OwnStart {
     GasAndWall,
 }
 
+impl OwnStart {
+    /// From nothing to all.
+    pub const ALL: [Self; 3] = [Self::Nothing, Self::Gas, Self::GasAndWall];
+
+    /// The term that it has beyond the one before it.
+    pub fn term(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::Gas => Some("initial_temperature"),
+            Self::GasAndWall => Some("initial_wall_temperature"),
+        }
+    }
+}
+
 /// Which model is to be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Model {
@@ -82,9 +96,8 @@ impl Model {
     /// Its terms, joined by " + ".
     pub fn words(&self) -> String {
         let of_rig = names(self.of_rig()).into_iter().map(str::to_owned);
-        let starts = [(OwnStart::Gas, "initial_temperature"), (OwnStart::GasAndWall, "initial_wall_temperature")];
-        let starts = starts.into_iter().filter(|(start, _)| self.own_start >= *start);
-        let of_records = names(self.own).into_iter().chain(starts.map(|(_, name)| name));
+        let starts = OwnStart::ALL.into_iter().filter(|start| *start <= self.own_start);
+        let of_records = names(self.own).into_iter().chain(starts.filter_map(OwnStart::term));
         let of_records = of_records.map(|name| format!("{name} (each record its own)"));
         of_rig.chain(of_records).collect::<Vec<_>>().join(" + ")
     }

@@ -89,16 +89,16 @@ impl Bends {
             squares_there += square * square;
             readings += 1.0;
         }
-        let between = self.squares.iter().enumerate().filter(|(row, _)| (row + 1) % period != first % period);
-        if scatter(between.map(|(_, square)| *square), self.rounding) {
-            return None;
-        }
         let others = self.squares.len() as f64 - readings;
         let mean = (sum - at_readings) / others;
         let variance = ((squares - squares_there) / others - mean * mean).max(0.0);
         let (there, above) = (at_readings / readings, at_readings - readings * mean);
         let clearly =
             || mean < self.rounding && mean < CLEAR * there && above > DEVIATIONS * (readings * variance).sqrt();
-        (mean < SMALL * there || clearly()).then(|| above / readings.sqrt())
+        let scatter = || {
+            let between = self.squares.iter().enumerate().filter(|(row, _)| (row + 1) % period != first % period);
+            scatter(between.map(|(_, square)| *square), self.rounding)
+        };
+        ((mean < SMALL * there || clearly()) && !scatter()).then(|| above / readings.sqrt())
     }
 }

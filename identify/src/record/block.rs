@@ -6,7 +6,7 @@
 use crate::record::between_rows::{BetweenRows, Look};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase};
-use crate::record::turns;
+use crate::record::turning_points::turning_points;
 use crate::record::unresolved::Unresolved;
 use crate::record::whiten::IN_COMMON;
 use records::extremes;
@@ -114,7 +114,7 @@ pub fn blocks(
         let rows = data.len();
         let turns = match s.phase {
             Phase::Move => {
-                turns::of_positions(&data.iter().map(|&row| position_m[row]).collect::<Vec<f64>>(), motion.noise_m)
+                turning_points(&data.iter().map(|&row| position_m[row]).collect::<Vec<f64>>(), motion.noise_m)
             }
             Phase::Rest | Phase::Hold => Vec::new(),
         };

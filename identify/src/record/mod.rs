@@ -38,7 +38,7 @@ pub mod stroke;
 mod thinned;
 pub(crate) mod true_stroke;
 mod turn;
-mod turns;
+mod turning_points;
 mod unfollowed;
 pub mod unit;
 pub(crate) mod unresolved;

@@ -15,7 +15,7 @@ use crate::record::row_time::usual_row_s;
 use crate::record::saturation::{self, End};
 use crate::record::start_up;
 use crate::record::stroke::{Motion, Phase, Spline};
-use crate::record::turns;
+use crate::record::turning_points::turning_points;
 use crate::record::unit::Declared;
 use crate::record::whiten::Whitener;
 use crate::record::{checks, clock, gaps};
@@ -230,12 +230,16 @@ impl<'a> Columns<'a> {
     fn spikes(&self, noise_pa: f64) -> Vec<usize> {
         /// Rows between the pressure's corner and the piston's, at the most.
         const BESIDE: usize = 1;
+        let mut found = outliers::spikes(&self.pressure_pa, &self.readout, noise_pa);
+        if found.is_empty() {
+            return found;
+        }
         let moves = self.motion.segments.iter().filter(|s| s.phase == Phase::Move);
         let stops = moves.flat_map(|s| [s.from_s, s.to_s]).map(|time| self.time_s.partition_point(|t| *t < time));
-        let turns = turns::of_positions(&self.trace.position_m, self.motion.noise_m);
+        let turns = turning_points(&self.trace.position_m, self.motion.noise_m);
         let corners: Vec<usize> = turns.into_iter().chain(stops).collect();
-        let is_apart = |row: &usize| corners.iter().all(|corner| row.abs_diff(*corner) > BESIDE);
-        outliers::spikes(&self.pressure_pa, &self.readout, noise_pa).into_iter().filter(is_apart).collect()
+        found.retain(|row| corners.iter().all(|corner| row.abs_diff(*corner) > BESIDE));
+        found
     }
 
     /// Rows at the end since the chamber was opened, where the piston is held there.

@@ -6,11 +6,9 @@
 //! therefore searched again with the dead volume counted from there. The zero's prior stays where the rig states it. A dead volume that
 //! is not known is free, and has the zero in it.
 
-use super::{Candidate, Found, search_as_stated, terms};
+use super::{Candidate, Found, moved, search_as_stated, terms};
 use crate::error::Error;
-use crate::judge::evidence;
 use crate::parameters::Slot;
-use crate::policy;
 use crate::record::data::Data;
 
 /// Searches with the zero as stated, and once more with another one where the records ask for it; what is found there counts.
@@ -21,8 +19,8 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     let (data, found) = search_as_stated(data, progress)?;
     let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, with the positions' zero moved"), share);
-    let moved = search_as_stated(data.clone().with_zero_moved(tolerances), &again);
-    Ok(moved.ok().filter(|(_, there)| !found.is_likelier_than(there)).unwrap_or((data, found)))
+    let elsewhere = search_as_stated(data.clone().with_zero_moved(tolerances), &again);
+    Ok(moved::which_counts((data, found), elsewhere))
 }
 
 /// How many tolerances the zero is off, where the records leave little doubt of it.
@@ -30,11 +28,7 @@ fn asked(found: &Found) -> Option<f64> {
     let reported = &found.reported().model;
     let is_near = |c: &&Candidate| terms::is_part(&c.model, reported) && c.model.terms() + 1 >= reported.terms();
     let near = found.tried.iter().chain([&found.baseline, found.reported()]).filter(is_near);
-    let asks = near.filter_map(|c| {
-        let (tolerances, left) = c.fit.asked(Slot::PositionZero)?;
-        let gain = evidence::of_squares(left, c.fit.blocks, 0) - evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
-        (gain > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some((c.delta_bic, tolerances))
-    });
+    let asks = near.filter_map(|c| Some((c.delta_bic, moved::asked(&c.fit, Slot::PositionZero)?)));
     asks.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tolerances)| tolerances)
 }
 

@@ -6,11 +6,9 @@
 //! the ratio it asks for has decisive evidence, all is therefore searched again in the gas with that ratio. Its prior stays where the rig
 //! states it.
 
-use super::{Found, at_zero};
+use super::{Found, at_zero, moved};
 use crate::error::Error;
-use crate::judge::evidence;
 use crate::parameters::Slot;
-use crate::policy;
 use crate::record::data::Data;
 
 /// Searches in the stated gas, and once more in another one where the records ask for it; what is found there counts.
@@ -21,19 +19,13 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     let (data, found) = at_zero::search(data, progress)?;
     let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, in the gas that the records ask for"), share);
-    let moved = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
-    Ok(moved.ok().filter(|(_, there)| !found.is_likelier_than(there)).unwrap_or((data, found)))
+    let elsewhere = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
+    Ok(moved::which_counts((data, found), elsewhere))
 }
 
-/// How many tolerances the gas is off, where the records leave little doubt of it.
+/// How many tolerances the gas is off, where what was found leaves noise and little doubt of it.
 fn asked(found: &Found) -> Option<f64> {
-    if !found.adequacy().is_noise {
-        return None;
-    }
-    let fit = &found.reported().fit;
-    let (tolerances, left) = fit.asked(Slot::HeatCapacityRatio)?;
-    let bic = |squares| evidence::of_squares(squares, fit.blocks, 0);
-    (bic(left) - bic(fit.marginal) > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some(tolerances)
+    found.adequacy().is_noise.then(|| moved::asked(&found.reported().fit, Slot::HeatCapacityRatio))?
 }
 
 #[cfg(test)]
@@ -81,7 +73,7 @@ mod tests {
         let (_, found) = found_of(&recipe.clone().with("leakage", &[recipe.leak_of(1.0)]));
         // The paper's model is what is reported there.
         let there = Found { verdict: Verdict::Unexplained, ..found.clone() };
-        assert!(found.is_likelier_than(&there) && !found.is_likelier_than(&found));
+        assert!(moved::is_likelier(&found, &there) && !moved::is_likelier(&found, &found));
     }
 
     #[test]

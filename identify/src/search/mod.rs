@@ -21,6 +21,7 @@ mod early;
 mod entry;
 mod fold;
 mod in_gas;
+mod moved;
 mod needed;
 pub mod starts;
 pub(crate) mod terms;
@@ -104,13 +105,6 @@ impl Found {
     /// What the reported model leaves.
     pub fn adequacy(&self) -> &Adequacy {
         if self.verdict == Verdict::Unexplained { &self.baseline_adequacy } else { &self.chosen_adequacy }
-    }
-
-    /// Whether the set that was found has decisively more evidence than what was found with a stated number moved: it may only have
-    /// become too small to be minded there.
-    fn is_likelier_than(&self, moved: &Self) -> bool {
-        let same = moved.tried.iter().find(|c| c.model == self.reported().model);
-        same.is_some_and(|same| same.delta_bic > moved.reported().delta_bic + policy::DECISIVE)
     }
 
     /// The best set with no more terms than the reported one that has decisively more evidence and leaves noise: what kept it from

@@ -24,8 +24,7 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
             out.push(Model { effects, own: model.own.union(one), ..*model });
         }
     }
-    let starts = [OwnStart::Gas, OwnStart::GasAndWall].into_iter();
-    let longer = starts.filter(|start| model.own_start < *start && *start <= model.most_of_start());
+    let longer = OwnStart::ALL.into_iter().filter(|start| model.own_start < *start && *start <= model.most_of_start());
     out.extend(longer.map(|start| Model { own_start: start, ..*model }));
     out
 }
@@ -65,11 +64,7 @@ pub fn takes_back_the_stroke(model: &Model) -> bool {
 /// The model with one term less, each way there is; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model.effects.iter().map(|e| model.without(EffectSet::one(e))).collect();
-    let shorter = match model.own_start {
-        OwnStart::Nothing => None,
-        OwnStart::Gas => Some(OwnStart::Nothing),
-        OwnStart::GasAndWall => Some(OwnStart::Gas),
-    };
+    let shorter = OwnStart::ALL.into_iter().rfind(|start| *start < model.own_start);
     out.extend(shorter.map(|start| Model { own_start: start, ..*model }));
     out
 }

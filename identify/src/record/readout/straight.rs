@@ -106,17 +106,16 @@ impl Bent {
         }
         let reach = 1.0 + BEAT_KNOWN_TO;
         let [mut there, mut between] = [(0.0, 0), (0.0, 0)];
-        let mut squares_between = Vec::with_capacity(self.squares.len());
-        for (i, square) in self.squares.iter().enumerate().filter(|(i, _)| !self.bends[*i].is_nan()) {
+        let is_there = |i: usize| {
             let row = (i + 1) as f64;
-            let off = (row - beat.at(beat.nearest(row))).abs();
-            let of = if off < reach { &mut there } else { &mut between };
+            (row - beat.at(beat.nearest(row))).abs() < reach
+        };
+        let known_squares = || self.squares.iter().copied().enumerate().filter(|(i, _)| !self.bends[*i].is_nan());
+        for (i, square) in known_squares() {
+            let of = if is_there(i) { &mut there } else { &mut between };
             *of = (of.0 + square, of.1 + 1);
-            if off >= reach {
-                squares_between.push(*square);
-            }
         }
-        if between.1 < FEWEST_ROWS || there.1 == 0 || scatter(squares_between.into_iter(), self.rounding) {
+        if between.1 < FEWEST_ROWS || there.1 == 0 {
             return false;
         }
         let [mean_there, mean_between] = [there, between].map(|(sum, count)| sum / count as f64);
@@ -125,7 +124,11 @@ impl Bent {
         let chance = self.marks.len() as f64 * share_there.ln();
         let is_straight = mean_between < SMALL * mean_there || is_rounding;
         let known = usize::from(is_known);
-        is_straight && chance < BY_CHANCE[known] && self.bend_one_way(beat, FEWEST_PAIRS[known])
+        let scatter = || {
+            let between = known_squares().filter(|(i, _)| !is_there(*i));
+            scatter(between.map(|(_, square)| square), self.rounding)
+        };
+        is_straight && chance < BY_CHANCE[known] && self.bend_one_way(beat, FEWEST_PAIRS[known]) && !scatter()
     }
 
     /// Whether there are so many readings beside which both rows bend, and hardly any of these bend to and fro.

@@ -8,13 +8,13 @@ const WAY_BACK: f64 = 0.02;
 const WAY_BACK_IN_NOISE: f64 = 10.0;
 
 /// Which of these positions, m, with that noise, the piston turns at.
-pub fn of_positions(position_m: &[f64], noise_m: f64) -> Vec<usize> {
+pub fn turning_points(position_m: &[f64], noise_m: f64) -> Vec<usize> {
     let (low, high) = extremes(position_m);
-    turns(position_m, (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * noise_m))
+    by_way_back(position_m, (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * noise_m))
 }
 
 /// Rows at which a position, m, turns: it comes back by more than `least_m` from there.
-fn turns(position_m: &[f64], least_m: f64) -> Vec<usize> {
+fn by_way_back(position_m: &[f64], least_m: f64) -> Vec<usize> {
     let mut out = Vec::new();
     // The farthest position since the last turn, either way while there was none.
     let (mut highest, mut lowest) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
@@ -49,11 +49,11 @@ mod tests {
         let noise = |k: u32| 1e-5 * (f64::from(k * 7919 % 101) / 50.0 - 1.0);
         let sine: Vec<f64> =
             (0..1000).map(|k| 0.1 - 0.03 * (std::f64::consts::TAU * f64::from(k) / 200.0).cos() + noise(k)).collect();
-        let found = of_positions(&sine, 1e-5);
+        let found = turning_points(&sine, 1e-5);
         let expected: Vec<usize> = (1..10).map(|k| 100 * k).collect();
         assert_eq!(found.len(), expected.len(), "{found:?}");
         assert!(found.iter().zip(&expected).all(|(a, b)| a.abs_diff(*b) < 5), "{found:?}");
         let push: Vec<f64> = (0..500).map(|k| 0.1 - 1e-4 * f64::from(k) + noise(k)).collect();
-        assert_eq!(of_positions(&push, 1e-5), []);
+        assert_eq!(turning_points(&push, 1e-5), []);
     }
 }
