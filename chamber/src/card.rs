@@ -221,6 +221,17 @@ pub enum Kind {
     },
 }
 
+/// When a fit of an effect frees one of its parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fitted {
+    /// In every fit.
+    Always,
+    /// Secondary: it keeps its neutral value unless freeing it is decisively better.
+    Secondary,
+    /// Not at all: a convention, such as a reference length, whose choice another number has in it.
+    Never,
+}
+
 /// One number of an effect.
 #[derive(Clone, Debug)]
 pub struct Parameter {
@@ -236,8 +247,8 @@ pub struct Parameter {
     pub neutral: f64,
     /// A typical value, to begin a fit from and to scale it by; never neutral.
     pub typical: f64,
-    /// Free in a fit of the effect; a secondary parameter stays at its start unless asked for.
-    pub fitted: bool,
+    /// When a fit of the effect frees it.
+    pub fitted: Fitted,
     /// What is known of it beforehand.
     pub prior: Prior,
     /// One line for people.
@@ -253,7 +264,7 @@ impl Parameter {
         bounds: f64::NEG_INFINITY..=f64::INFINITY,
         neutral: 0.0,
         typical: 1.0,
-        fitted: true,
+        fitted: Fitted::Always,
         prior: Prior::Flat,
         doc: "",
     };

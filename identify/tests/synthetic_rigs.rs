@@ -265,6 +265,38 @@ fn a_random_walk_of_the_readings_is_no_drift() {
 }
 
 #[test]
+fn readings_of_eight_bits_are_those_of_a_clean_rig() {
+    // What is read of a level is as far off in all records that come to it.
+    for seed in 91..95 {
+        let recipe = Recipe { noise_pa: 50.0, quantisation_pa: 1e6 / 256.0, ..Recipe::from_seed(seed) };
+        let found = traced(&recipe);
+        assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]), "{seed}");
+    }
+}
+
+#[test]
+fn the_interval_holds_the_truth_also_where_the_accuracy_makes_do_without_the_effect() {
+    let (convection, _) = effects::find("natural_convection").unwrap();
+    let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with_strength(convection, 1.0);
+    let mut rig = recipe.rig();
+    let asked_pa = |accuracy_pa: Option<f64>, rig: &mut records::Rig| {
+        rig.accuracy_pa = accuracy_pa;
+        identify::diagnose(rig, &|_, _| ()).unwrap().diagnosis
+    };
+    let named = asked_pa(None, &mut rig);
+    assert_eq!((named.verdict, &named.effects[..]), (Verdict::Explained, &["natural_convection"][..]));
+    let makes_do = asked_pa(Some(2.0 * named.before.rmse_pa.fit), &mut rig);
+    assert_eq!((makes_do.verdict, makes_do.effects.len()), (Verdict::Adequate, 0));
+    let [interval, of_named] = [&makes_do, &named].map(|d| d.after.parameters[0].1.ci95);
+    let truth = recipe.chamber.heat_transfer.coefficient;
+    assert!(interval[0] < truth && truth < interval[1], "{interval:?}, {truth}");
+    assert!(interval[1] - interval[0] > of_named[1] - of_named[0]);
+    assert!(makes_do.lambda0_budget.iter().any(|b| b.source == "effects_within_accuracy" && b.share > 0.0));
+    let asks = |d: &identify::Diagnosis| d.assumptions.iter().any(|note| note.contains("the records ask for"));
+    assert!(!asks(&makes_do), "{:?}", makes_do.assumptions);
+}
+
+#[test]
 fn a_slow_hum_of_records_without_repeats_is_noise() {
     for seed in [3, 60] {
         let mut recipe = Recipe { repeats: 1, noise_pa: 60.0, ..Recipe::from_seed(seed) };

@@ -1,7 +1,7 @@
 //! The page of effects, from their cards.
 
 use super::{MADE, table};
-use chamber::card::{Card, ClosedForm, Kind, Prior, Tried, Unit};
+use chamber::card::{Card, ClosedForm, Fitted, Kind, Prior, Tried, Unit};
 use chamber::{Gas, effects};
 use report::number::shortest;
 use std::fmt::Write;
@@ -17,6 +17,15 @@ fn page() -> String {
         page += &section(card);
     }
     page
+}
+
+/// What a fit of the effect does with a parameter, if more than to free it.
+fn when_fitted(fitted: Fitted) -> &'static str {
+    match fitted {
+        Fitted::Always => "",
+        Fitted::Secondary => " (keeps its neutral value in a fit unless freeing it is decisively better)",
+        Fitted::Never => " (keeps its neutral value in a fit)",
+    }
 }
 
 const HEAD: &str = "\
@@ -56,10 +65,7 @@ fn section(card: &Card) -> String {
         ["parameter", "unit", "neutral", "typical", "bounds", ""],
         card.parameters.iter().filter(|p| !matches!(p.kind, Kind::Place { index: 1.., .. })).map(|p| {
             let (name, fitted) = match p.kind {
-                Kind::Number if p.fitted => (p.key(), String::new()),
-                Kind::Number => {
-                    (p.key(), " (keeps its neutral value in a fit unless freeing it is decisively better)".to_owned())
-                }
+                Kind::Number => (p.key(), when_fitted(p.fitted).to_owned()),
                 Kind::Word(words) => (
                     p.key(),
                     format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")),

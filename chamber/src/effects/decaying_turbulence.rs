@@ -29,7 +29,6 @@ impl Effect for DecayingTurbulence {
                 bounds: 0.0..=1e3,
                 neutral: 0.0,
                 typical: 2.0,
-                fitted: true,
                 doc: "Coefficient k of the turbulence's share in the heat transfer coefficient",
                 ..Parameter::DEFAULT
             },
@@ -39,7 +38,6 @@ impl Effect for DecayingTurbulence {
                 bounds: 0.01..=100.0,
                 neutral: 0.3,
                 typical: 0.5,
-                fitted: true,
                 doc: "Time constant tau with which the turbulence decays; of no influence while the coefficient is zero",
                 ..Parameter::DEFAULT
             },

@@ -29,7 +29,6 @@ impl Effect for ForcedConvection {
             bounds: 0.0..=1e3,
             neutral: 0.0,
             typical: 1.0,
-            fitted: true,
             doc: "Coefficient k of the speed's share in the heat transfer coefficient",
             ..Parameter::DEFAULT
         }],

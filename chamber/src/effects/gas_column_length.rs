@@ -4,7 +4,7 @@
 //! measured points (design finding 4), where a = −½ cuts the error of τ from 26 % to 5 %; three actuators only.
 
 use super::Effect;
-use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Fitted, Parameter, Unit};
 use crate::parts::Conditions;
 use crate::real::Real;
 
@@ -26,7 +26,6 @@ impl Effect for GasColumnLength {
                 bounds: -3.0..=3.0,
                 neutral: 0.0,
                 typical: -0.5,
-                fitted: true,
                 doc: "Exponent a of the gas column's length in the heat transfer coefficient; -1/2 by theory",
                 ..Parameter::DEFAULT
             },
@@ -36,7 +35,7 @@ impl Effect for GasColumnLength {
                 bounds: 1e-4..=100.0,
                 neutral: 0.1,
                 typical: 0.1,
-                fitted: false,
+                fitted: Fitted::Never,
                 doc: "Length at which the coefficient is lambda0; of no influence while the exponent is zero",
                 ..Parameter::DEFAULT
             },

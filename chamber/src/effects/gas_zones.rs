@@ -28,7 +28,6 @@ impl Effect for GasZones {
                 bounds: 0.0..=0.95,
                 neutral: 0.0,
                 typical: 0.25,
-                fitted: true,
                 doc: "Mass fraction z of the gas that does not touch the wall; zero means one zone",
                 ..Parameter::DEFAULT
             },
@@ -38,7 +37,6 @@ impl Effect for GasZones {
                 bounds: 0.0..=1e6,
                 neutral: 0.0,
                 typical: 0.03,
-                fitted: true,
                 doc: "Conductance H between the zones; of no influence while the mass fraction is zero",
                 ..Parameter::DEFAULT
             },

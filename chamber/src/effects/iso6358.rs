@@ -6,7 +6,7 @@
 //! T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air (times 287/R for another gas). Source: ISO 6358-1:2013.
 
 use super::nearer;
-use crate::card::{Normal, Parameter, Prior, Unit};
+use crate::card::{Fitted, Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows};
 use crate::real::Real;
@@ -27,7 +27,7 @@ pub const CRITICAL_RATIO: Parameter = Parameter {
     bounds: 0.0..=0.9,
     neutral: 0.3,
     typical: 0.3,
-    fitted: false,
+    fitted: Fitted::Secondary,
     // From a long narrow gap to a sharp orifice.
     prior: Prior::Normal(Normal { mean: 0.3, standard_deviation: 0.12 }),
     doc: "Critical pressure ratio b; of no influence while the conductance is zero",

@@ -28,7 +28,6 @@ impl Effect for Leakage {
                 bounds: 0.0..=1e-7,
                 neutral: 0.0,
                 typical: 1e-12,
-                fitted: true,
                 doc: "Sonic conductance C of the leak; zero means a tight chamber",
                 ..Parameter::DEFAULT
             },

@@ -29,7 +29,6 @@ impl Effect for NaturalConvection {
             bounds: -0.5..=2.0,
             neutral: 0.0,
             typical: 0.25,
-            fitted: true,
             doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
             ..Parameter::DEFAULT
         }],

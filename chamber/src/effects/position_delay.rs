@@ -7,7 +7,7 @@
 //! rows the slope at a row is the mean of those on both sides.
 
 use super::Effect;
-use crate::card::{ActsOn, Balance, Card, ClosedForm, Normal, Parameter, Prior, Scope, Unit};
+use crate::card::{ActsOn, Balance, Card, ClosedForm, Fitted, Normal, Parameter, Prior, Scope, Unit};
 use crate::real::Real;
 
 /// Delay and low-pass of the position record.
@@ -38,7 +38,7 @@ impl Effect for PositionDelay {
                 unit: Unit::Second,
                 bounds: 0.0..=10.0,
                 typical: 0.05,
-                fitted: false,
+                fitted: Fitted::Secondary,
                 doc: "Time constant of a first-order low-pass that the recorded position has passed",
                 ..Parameter::DEFAULT
             },

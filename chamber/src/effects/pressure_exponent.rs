@@ -4,7 +4,7 @@
 //! Source: exponents between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{Balance, Card, Fitted, Parameter, Unit};
 use crate::parts::Conditions;
 use crate::real::Real;
 
@@ -25,7 +25,6 @@ impl Effect for PressureExponent {
                 bounds: -2.0..=3.0,
                 neutral: 0.5,
                 typical: 0.4,
-                fitted: true,
                 doc: "Exponent nP of pressure in the heat transfer coefficient; 0.5 by Eichelberg",
                 ..Parameter::DEFAULT
             },
@@ -35,7 +34,7 @@ impl Effect for PressureExponent {
                 bounds: -5.0..=5.0,
                 neutral: 0.5,
                 typical: 0.5,
-                fitted: false,
+                fitted: Fitted::Secondary,
                 doc: "Exponent nT of temperature in the heat transfer coefficient; 0.5 by Eichelberg",
                 ..Parameter::DEFAULT
             },

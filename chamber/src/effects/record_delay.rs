@@ -25,7 +25,6 @@ impl Effect for RecordDelay {
             bounds: 0.0..=10.0,
             neutral: 0.0,
             typical: 0.01,
-            fitted: true,
             doc: "Delay of the recorded pressure behind the gas's",
             ..Parameter::DEFAULT
         }],

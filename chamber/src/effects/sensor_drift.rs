@@ -25,7 +25,6 @@ impl Effect for SensorDrift {
             bounds: -1e6..=1e6,
             neutral: 0.0,
             typical: 50.0,
-            fitted: true,
             doc: "Rate of the drift, counted from the start of the record",
             ..Parameter::DEFAULT
         }],

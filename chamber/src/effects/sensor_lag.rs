@@ -25,7 +25,6 @@ impl Effect for SensorLag {
             bounds: 0.0..=100.0,
             neutral: 0.0,
             typical: 0.01,
-            fitted: true,
             doc: "Time constant of the pressure sensor; zero means an instantaneous sensor",
             ..Parameter::DEFAULT
         }],

@@ -6,7 +6,7 @@
 
 use super::Effect;
 use super::iso6358::{self, Passage};
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{Balance, Card, Fitted, Parameter, Unit};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
@@ -36,7 +36,7 @@ impl Effect for SupplyLeakage {
                 bounds: 1e3..=1e8,
                 neutral: 7e5,
                 typical: 7e5,
-                fitted: false,
+                fitted: Fitted::Secondary,
                 doc: "Absolute pressure Ps of the supply; of no influence while the conductance is zero",
                 ..Parameter::DEFAULT
             },

@@ -8,7 +8,7 @@
 //! s = 5.7e-5 1/K and c = 4.7e-7 1/K² from 230 to 450 K.
 
 use super::Effect;
-use crate::card::{Balance, Card, Normal, Parameter, Prior, Unit};
+use crate::card::{Balance, Card, Fitted, Normal, Parameter, Prior, Unit};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows};
 use crate::real::Real;
@@ -116,7 +116,7 @@ impl Effect for TemperatureDependentHeatCapacity {
                 unit: Unit::PerSquareKelvin,
                 bounds: -1.5e-6..=4e-6,
                 typical: 5e-7,
-                fitted: false,
+                fitted: Fitted::Secondary,
                 prior: Prior::OfGas(curvature_of),
                 doc: "Curvature c of the heat capacity, where its slope is that at 293 K; for air about 5e-7, with a slope of 6e-5",
                 ..Parameter::DEFAULT

@@ -27,7 +27,6 @@ impl Effect for TubeVolume {
             bounds: 0.0..=1.0,
             neutral: 0.0,
             typical: 1e-6,
-            fitted: true,
             doc: "Volume Vt of the tube and fittings whose gas is at ambient temperature",
             ..Parameter::DEFAULT
         }],

@@ -34,7 +34,6 @@ impl Effect for WallHeating {
                 bounds: 0.0..=1e9,
                 neutral: 0.0,
                 typical: 1.0,
-                fitted: true,
                 doc: "Heat capacity C_w of the wall that takes part; zero holds the wall at ambient temperature",
                 ..Parameter::DEFAULT
             },
@@ -44,7 +43,6 @@ impl Effect for WallHeating {
                 bounds: 0.0..=1e6,
                 neutral: 0.0,
                 typical: 0.05,
-                fitted: true,
                 doc: "Conductance G from the wall to the surroundings; of no influence while the capacity is zero",
                 ..Parameter::DEFAULT
             },

@@ -60,6 +60,10 @@ pub struct Row {
     pub true_lambda0: f64,
     /// Whether the interval holds the truth, where the model is the true one or cannot be told from it, and λ0 can be right.
     pub lambda0_inside: Option<bool>,
+    /// Systematic misfit of the reported model, Pa.
+    pub remaining_pa: Option<f64>,
+    /// Probability under noise of the best family of missing terms in what that model leaves.
+    pub remaining_probability: Option<f64>,
     /// Duration of the diagnosis, s.
     pub seconds: f64,
 }
@@ -123,8 +127,12 @@ impl Job {
         let begun = Instant::now();
         let answer = catch_unwind(AssertUnwindSafe(|| identify::diagnose(&rig, &|_, _| ())));
         let seconds = begun.elapsed().as_secs_f64();
+        let mut left = None;
         let (json, error) = match answer {
-            Ok(Ok(found)) => (serde_json::to_value(&found.diagnosis).unwrap_or_default(), None),
+            Ok(Ok(found)) => {
+                left = Some(found.found.adequacy().clone());
+                (serde_json::to_value(&found.diagnosis).unwrap_or_default(), None)
+            }
             Ok(Err(error)) => (Value::Null, Some(error.to_string())),
             Err(_) => (Value::Null, Some("panic".to_owned())),
         };
@@ -156,6 +164,8 @@ impl Job {
             lambda0_inside: lambda0.filter(|_| is_judged).map(|(_, [low, high])| (low..=high).contains(&true_lambda0)),
             lambda0,
             true_lambda0,
+            remaining_pa: left.as_ref().map(|left| left.systematic_pa),
+            remaining_probability: left.as_ref().map(|left| left.family_probability),
             seconds,
         }
     }

@@ -1,10 +1,10 @@
 //! Intervals of what was fitted, and what the data does not determine.
 //!
 //! Covariance: inverse of the normal matrix (the records' own numbers eliminated), whose weights carry the noise's colour and
-//! the position's noise. Where the fit is not adequate (its residual more than noise and above the accuracy asked for), each variance
-//! is the larger of two: this one times the sum of squares over its expectation, and that of the sandwich estimator, whose clusters
-//! are the records, or parts of them where there are fewer than six. The tolerances of what the rig states are carried through the
-//! fit and added (JCGM 100:2008, equation 10).
+//! the position's noise. Where a fit leaves more than noise, be it less than the accuracy asked for, each variance is the larger of
+//! two: this one times the sum of squares over its expectation, and that of the sandwich estimator, whose clusters are the records,
+//! or parts of them where there are fewer than six. The tolerances of what the rig states are carried through the fit and added
+//! (JCGM 100:2008, equation 10).
 
 use crate::fit::Fit;
 use crate::parameters::{Axis, Slot};
@@ -60,19 +60,19 @@ pub const NORMAL_95: f64 = 1.959_963_985;
 /// Covariance of the rig's free coordinates as errors of the values at the stated numbers: that of the records, and the
 /// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.
 /// The values do not move with the stated numbers, so that what the records tell of those does not make them better.
-pub fn covariance(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
-    of_all(fit, is_adequate, |parts| &parts.records + &parts.by_stated * parts.by_stated.transpose())
+pub fn covariance(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
+    of_all(fit, leaves_noise, |parts| &parts.records + &parts.by_stated * parts.by_stated.transpose())
 }
 
 /// The same of the records alone: how far the values may be off in another recording of the same tests.
-pub fn by_records(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
-    of_all(fit, is_adequate, |parts| parts.records.clone())
+pub fn by_records(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
+    of_all(fit, leaves_noise, |parts| parts.records.clone())
 }
 
 /// A covariance of the coordinates that are not at a bound, as one of all.
-fn of_all(fit: &Fit, is_adequate: bool, of: impl Fn(&Parts) -> DMatrix<f64>) -> DMatrix<f64> {
+fn of_all(fit: &Fit, leaves_noise: bool, of: impl Fn(&Parts) -> DMatrix<f64>) -> DMatrix<f64> {
     let n = fit.rig.len();
-    let Some(parts) = Parts::of(fit, is_adequate) else {
+    let Some(parts) = Parts::of(fit, leaves_noise) else {
         return DMatrix::from_diagonal_element(n, n, f64::INFINITY);
     };
     let among_free = of(&parts);
@@ -86,8 +86,8 @@ fn of_all(fit: &Fit, is_adequate: bool, of: impl Fn(&Parts) -> DMatrix<f64>) -> 
 }
 
 /// What the variance of a coordinate is made of: the share of each stated number's tolerance, and of the records.
-pub fn budget(fit: &Fit, coordinate: usize, is_adequate: bool) -> Vec<(String, f64)> {
-    let Some(parts) = Parts::of(fit, is_adequate) else { return Vec::new() };
+pub fn budget(fit: &Fit, coordinate: usize, leaves_noise: bool) -> Vec<(String, f64)> {
+    let Some(parts) = Parts::of(fit, leaves_noise) else { return Vec::new() };
     let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
     let mut shares = vec![("records".to_owned(), parts.records[(place, place)])];
     for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(place).iter()) {
@@ -112,16 +112,16 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(fit: &Fit, is_adequate: bool) -> Option<Self> {
+    fn of(fit: &Fit, leaves_noise: bool) -> Option<Self> {
         let n = fit.rig.len();
         let free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
         let m = free.len();
         let stated = fit.information.ncols() - n;
         let inverse = inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]))?;
         let by_stated = DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
-        let by_stated = &inverse * by_stated * spread_of_stated(fit, is_adequate);
+        let by_stated = &inverse * by_stated * spread_of_stated(fit, leaves_noise);
         let mut records = inverse.clone();
-        if !is_adequate {
+        if !leaves_noise {
             let robust = &inverse * meat(fit, &free) * &inverse;
             let freedom = (fit.blocks as f64 - m as f64).max(1.0);
             let scale = (fit.marginal / freedom).max(1.0);
@@ -135,16 +135,16 @@ impl Parts {
     }
 }
 
-/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor and, in an adequate fit,
-/// a heat capacity ratio or a zero of the positions that was moved to where the records ask for it. Of these the records tell more: the
-/// root of the mean square that they leave possible. Values with one as stated are off by its whole tolerance, whatever the records would
-/// ask for.
-fn spread_of_stated(fit: &Fit, is_adequate: bool) -> DMatrix<f64> {
+/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor and, in a fit that leaves
+/// noise, the heat capacity ratio and the zero of the positions, which are moved to where the records ask for them. Of these the records
+/// tell more: the root of the mean square that they leave possible, as far as they ask for them to be moved included.
+fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     let (free, all) = (fit.rig.len(), fit.information.ncols());
     let adapting: Vec<usize> = (0..all).filter(|&i| fit.adapts[i] && fit.information[(i, i)] > 0.0).collect();
     let count = adapting.len();
     let known = inverse(&DMatrix::from_fn(count, count, |i, j| fit.information[(adapting[i], adapting[j])]));
-    let shows = |axis: &Axis| axis.slot.is_wave() || is_adequate && axis.mean() != 0.0;
+    let is_searched = |slot| matches!(slot, Slot::HeatCapacityRatio | Slot::PositionZero);
+    let shows = |axis: &Axis| axis.slot.is_wave() || leaves_noise && is_searched(axis.slot);
     let left_possible = |k: usize| {
         let place = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
         let variance = known.as_ref()?[(place, place)];
@@ -211,7 +211,7 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
 /// Values and intervals of the rig's free numbers; of one at a bound to the side where there is room.
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
-    let variance = |i: usize| if fit.at_bound[i] { off_its_bound(fit, i) } else { covariance[(i, i)] };
+    let variance = |i: usize| if fit.at_bound[i] { beside_all(fit, i) } else { covariance[(i, i)] };
     let each = h.axes.iter().zip(&fit.rig).enumerate();
     each.map(|(i, (axis, x))| {
         let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
@@ -226,10 +226,10 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
     .collect()
 }
 
-/// Variance of a coordinate at a bound if it were free beside the others that are. What the records allow on the bound's one
-/// side is half of a normal distribution at the most, 95 % of which lie within the same 1.96 deviations. Nothing is known of a
-/// number without influence.
-fn off_its_bound(fit: &Fit, coordinate: usize) -> f64 {
+/// Variance of a coordinate beside the others that are free and the stated numbers within their tolerances, of one at a bound as if it
+/// were free too. What the records allow on the bound's one side is half of a normal distribution at the most, 95 % of which lie within
+/// the same 1.96 deviations. Nothing is known of a number without influence.
+pub fn beside_all(fit: &Fit, coordinate: usize) -> f64 {
     let free = fit.rig.len();
     let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
     let places: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();

@@ -7,7 +7,9 @@
 use crate::discrepancy::{Families, Missing};
 use crate::fit::Fit;
 use crate::judge::misfit;
-use crate::policy::{FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, SQUARES_DEVIATIONS, TOLERANCES};
+use crate::policy::{
+    FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, PLAIN_SHAPE, SQUARES_DEVIATIONS, TOLERANCES,
+};
 use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -82,7 +84,8 @@ impl Adequacy {
     /// good enough. To be good enough alone is not enough: a remainder with a shape that is a good part of what there was says that
     /// something else is at work, which the named effects may imitate.
     pub fn explains(&self, before_pa: f64) -> bool {
-        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
+        let is_little =
+            self.is_good_enough && self.systematic_pa < LITTLE * before_pa && self.family_probability > PLAIN_SHAPE;
         self.is_noise || self.is_next_to_nothing(before_pa) || is_little
     }
 
@@ -117,5 +120,8 @@ mod tests {
         assert_eq!(judged(left(8.0, false)), (true, true));
         assert_eq!(judged(left(1.5, false)), (true, true));
         assert_eq!(judged(left(30.0, false)), (false, false));
+        // What has a plain shape is something else, unless it is next to nothing.
+        let plain = |left: Adequacy| judged(Adequacy { family_probability: 1e-25, ..left });
+        assert_eq!([plain(left(8.0, false)), plain(left(1.5, false))], [(true, false), (true, true)]);
     }
 }

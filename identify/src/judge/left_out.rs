@@ -96,6 +96,11 @@ impl HeldOut {
         let by = |ours: f64, theirs: f64| theirs * theirs - ours * ours > by_pa * by_pa;
         by(self.rmse_pa, than.rmse_pa) || by(self.weighed_pa, than.weighed_pa)
     }
+
+    /// Whether it is larger than another one by more than this, Pa rms, where rows count as much as they tell.
+    pub fn is_more(&self, than: &Self, by_pa: f64) -> bool {
+        self.weighed_pa.powi(2) - than.weighed_pa.powi(2) > by_pa * by_pa
+    }
 }
 
 /// Sums of squares of an error over rows, Pa²: all alike, and weighed.

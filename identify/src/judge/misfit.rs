@@ -2,7 +2,8 @@
 //!
 //! The systematic part is what remains beyond noise. Where an experiment has repeats it is what their residuals have in
 //! common, √(mean of products), less what the rounding of their positions may have; elsewhere √(rms² − variance expected of noise and
-//! position). Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
+//! position). Readings that stick to a step are those of a model within half of it: what lies beyond tells how far it is off. Source:
+//! lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
 
 use crate::fit::{Fit, readings};
 use crate::parameters::Setting;
@@ -13,6 +14,7 @@ use crate::record::stroke::{Phase, Segment};
 use chamber::effects::EffectSet;
 use chamber::integrate::IntegrationError;
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Row residuals (measured − model) of one record, Pa.
 ///
@@ -68,9 +70,7 @@ pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
 
 /// The systematic part, Pa.
 pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
-    let (mut sum, mut weight) = (0.0, 0.0);
-    // What the position leaves open in a move is an upper limit: it must not make up for what holds leave.
-    let mut moving = 0.0;
+    let [mut held, mut moving] = [(0.0, 0.0); 2];
     for experiment in 0..data.experiments.len() {
         let of_experiment = repeats::of(data, experiment);
         let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
@@ -90,14 +90,35 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
                     Some(shared) => shared,
                     None => beyond_noise(data, t, &residuals[k], segment),
                 };
-                *if s.phase == Phase::Move { &mut moving } else { &mut sum } += mean * rows;
-                weight += rows;
+                let (sum, all) = if s.phase == Phase::Move { &mut moving } else { &mut held };
+                *sum += mean * rows;
+                *all += rows;
             }
         }
     }
-    let mean = (sum + f64::max(moving, 0.0)) / f64::max(weight, 1.0);
+    // Repeats that begin at one level share the error of its rounding, too.
+    let beyond = beyond_steps(data, residuals).map(|mean| mean * held.1);
+    let of_held = beyond.filter(|beyond| held.0 > *beyond).unwrap_or(held.0);
+    // What the position leaves open in a move is an upper limit: it must not make up for what holds leave.
+    let mean = (of_held + f64::max(moving.0, 0.0)) / f64::max(held.1 + moving.1, 1.0);
     // A residual that is no number is not small.
     if mean.is_finite() { mean.max(0.0).sqrt() } else { f64::INFINITY }
+}
+
+/// Square of the systematic misfit in rests and holds that readings show which stick to a step, Pa²; nothing of others. Of a right model
+/// only noise is farther from such a reading than half a step s: of a standard deviation σ a mean square of 4σ³/(3s√(2π)). A model that
+/// is off by b leaves b³/(3s) more.
+fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
+    let (step, noise) = (data.noise.step_pa, data.noise.white_pa.hypot(data.noise.coloured_pa()));
+    let held = data.traces.iter().zip(residuals).flat_map(|(t, residual)| {
+        let rests = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move);
+        rests.flat_map(|s| s.first..s.end).filter(|&i| t.readout.is_data(i)).map(|i| residual[i])
+    });
+    let squares = held.map(|r| (r.abs() - 0.5 * step).max(0.0).powi(2));
+    let (sum, rows) = squares.fold((0.0, 0usize), |(sum, n), square| (sum + square, n + 1));
+    let by_noise = 4.0 * noise.powi(3) / (3.0 * step * (2.0 * PI).sqrt());
+    let off_pa = || (3.0 * step * (sum / rows.max(1) as f64 - by_noise).max(0.0)).cbrt();
+    data.noise.sticks.then(|| off_pa().powi(2))
 }
 
 /// Mean product of the residuals of different repeats at the same place of a segment, Pa².
@@ -160,4 +181,27 @@ pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn what_readings_that_stick_to_steps_share_in_all_repeats_is_no_misfit_but_what_a_model_is_off_is() {
+        // Eight bits over ten bars.
+        let recipe = Recipe { quantisation_pa: 1e6 / 256.0, noise_pa: 50.0, ..Recipe::from_seed(5) };
+        let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
+        assert!(data.noise.sticks);
+        let residuals = residuals(&data, &fit);
+        let off_by = |off_pa: f64| {
+            let moved = residuals.iter().map(|of_record| of_record.iter().map(|r| r + off_pa).collect());
+            systematic(&data, &moved.collect::<Vec<_>>())
+        };
+        assert!(off_by(0.0) < data.accuracy_pa(), "{} of {}", off_by(0.0), data.accuracy_pa());
+        assert!((off_by(1500.0) / 1500.0 - 1.0).abs() < 0.2, "{}", off_by(1500.0));
+        assert_eq!(off_by(f64::NAN), f64::INFINITY);
+    }
 }

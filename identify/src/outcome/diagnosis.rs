@@ -213,7 +213,7 @@ impl Diagnosed {
 
     /// How well that chamber's numbers are known.
     pub fn uncertainty(&self) -> records::Uncertainty {
-        let mut known = uncertainty(&self.found.reported().fit, self.found.adequacy().is_adequate());
+        let mut known = uncertainty(&self.found.reported().fit, self.found.adequacy().is_noise);
         let told = &self.diagnosis.after.parameters;
         for (name, ci95) in known.parameters.iter().zip(&mut known.ci95) {
             if let Some((_, estimate)) = told.iter().find(|(other, _)| other == name) {
@@ -240,11 +240,11 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     let residuals_before = misfit::residuals(&data, &found.baseline.fit);
     let residuals_after =
         if after.model == Model::PAPER { residuals_before.clone() } else { misfit::residuals(&data, &after.fit) };
-    let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_adequate());
-    let mut after_side = side(&data, after, &residuals_after, adequacy.is_adequate());
+    let before = side(&data, &found.baseline, &residuals_before, found.baseline_adequacy.is_noise);
+    let mut after_side = side(&data, after, &residuals_after, adequacy.is_noise);
     let of_set = after_side.parameters.clone();
     if found.verdict != Verdict::Unexplained {
-        after_side.parameters = over_sets::widened(of_set.clone(), &data, &found, adequacy.is_adequate());
+        after_side.parameters = over_sets::widened(of_set.clone(), &data, &found, adequacy.is_noise);
     }
     let effects: Vec<&'static str> = in_order(&found, after.model.of_rig());
     let open = matches!(found.verdict, Verdict::Unexplained | Verdict::Improved) && !adequacy.is_adequate();
@@ -261,7 +261,9 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         },
     };
     let steps = steps(&data, &found);
-    let lambda0_budget = budget(&after.fit, adequacy.is_adequate(), &of_set, &after_side.parameters);
+    let by_choice =
+        if found.alike.is_empty() { "effects_within_accuracy" } else { "choice_among_indistinguishable_effects" };
+    let lambda0_budget = budget(&after.fit, adequacy.is_noise, [&of_set, &after_side.parameters], by_choice);
     let is_open = found.verdict != Verdict::Explained;
     let of_two_rigs = is_open.then(|| rigs::apart(&data, before.rmse_pa.fit, rigs::Overlap::Levels)).flatten();
     let diagnosis = Diagnosis {
@@ -272,7 +274,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         remaining_pa: adequacy.systematic_pa,
         accuracy_pa: data.accuracy_pa(),
         noise: NoiseFound::of(&data),
-        records: recording::records(&data, &after.fit, &residuals_after, adequacy.is_adequate()),
+        records: recording::records(&data, &after.fit, &residuals_after, adequacy.is_noise),
         indistinguishable: if after.model == Model::PAPER { Vec::new() } else { groups(&after.model, &found.alike) },
         balance,
         noise_pa: data.noise.total_pa(),
@@ -280,10 +282,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         after: after_side,
         candidates: each_set_once(&found.tried).map(|c| tried(&data, c)).collect(),
         lambda0_budget,
-        empirical: found
-            .read_off
-            .as_ref()
-            .and_then(|r| Empirical::of(r, r.fate.is_accepted() && adequacy.is_adequate())),
+        empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.fate.is_accepted() && adequacy.is_noise)),
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
@@ -294,22 +293,22 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
 }
 
-/// Where the interval of λ0 comes from, which is the first of the numbers of its set and of those over all sets that cannot be
-/// told apart.
-fn budget(fit: &Fit, is_adequate: bool, of_set: &Estimates, over_sets: &Estimates) -> Vec<Budget> {
+/// Where the interval of λ0 comes from, which is the first of the numbers of its set and of those over all sets that can be in its
+/// place; what their choice adds has this source.
+fn budget(fit: &Fit, leaves_noise: bool, [of_set, over_sets]: [&Estimates; 2], by_choice: &str) -> Vec<Budget> {
     let width = |numbers: &Estimates| numbers.first().map_or(0.0, |(_, e)| e.ci95[1] - e.ci95[0]);
     let of_set = (width(of_set) / width(over_sets)).powi(2).min(1.0);
-    let shares = covariance::budget(fit, 0, is_adequate).into_iter();
+    let shares = covariance::budget(fit, 0, leaves_noise).into_iter();
     let mut out: Vec<Budget> = shares.map(|(source, share)| Budget { source, share: of_set * share }).collect();
     if of_set < 1.0 {
-        out.push(Budget { source: "choice_among_indistinguishable_effects".to_owned(), share: 1.0 - of_set });
+        out.push(Budget { source: by_choice.to_owned(), share: 1.0 - of_set });
     }
     out
 }
 
-fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], is_adequate: bool) -> Side {
+fn side(data: &Data, c: &Candidate, residuals: &[Vec<f64>], leaves_noise: bool) -> Side {
     let rmse_pa = Rmse { fit: misfit::rms(data, residuals), held_out: c.held_out_pa() };
-    Side { rmse_pa, parameters: parameters(data, &c.fit, is_adequate) }
+    Side { rmse_pa, parameters: parameters(data, &c.fit, leaves_noise) }
 }
 
 fn steps(data: &Data, found: &Found) -> Vec<Step> {

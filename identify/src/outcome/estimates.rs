@@ -18,8 +18,8 @@ pub struct Rmse {
 }
 
 /// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.
-pub fn uncertainty(fit: &Fit, is_adequate: bool) -> records::Uncertainty {
-    let covariance = covariance::covariance(fit, is_adequate);
+pub fn uncertainty(fit: &Fit, leaves_noise: bool) -> records::Uncertainty {
+    let covariance = covariance::covariance(fit, leaves_noise);
     let estimates = covariance::estimates(fit, &covariance);
     records::Uncertainty {
         parameters: estimates.iter().map(|(name, _)| name.clone()).collect(),
@@ -29,8 +29,8 @@ pub fn uncertainty(fit: &Fit, is_adequate: bool) -> records::Uncertainty {
 }
 
 /// Values with intervals of a fit.
-pub fn parameters(data: &Data, fit: &Fit, is_adequate: bool) -> Estimates {
-    let covariance = covariance::covariance(fit, is_adequate);
+pub fn parameters(data: &Data, fit: &Fit, leaves_noise: bool) -> Estimates {
+    let covariance = covariance::covariance(fit, leaves_noise);
     let mut out = covariance::estimates(fit, &covariance);
     if data.dead_volume_known {
         let value = data.dead_volume_m3;

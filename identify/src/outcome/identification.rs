@@ -122,7 +122,7 @@ fn exact(data: Data) -> Result<Identification, Error> {
     }
     sanity::dead_volume(&data, &fit)?;
     let chamber = fit.chamber();
-    let mut parameters = parameters(&data, &fit, adequacy.is_adequate());
+    let mut parameters = parameters(&data, &fit, adequacy.is_noise);
     let first_volume = |t: &Prepared| {
         let position = t.course.motion.segments[0].stroke.at(0.0, &Default::default()).0;
         chamber.geometry.volume(position)
@@ -162,7 +162,7 @@ fn exact(data: Data) -> Result<Identification, Error> {
             .chain(positions_too_far(&fit, adequacy.is_adequate()))
             .chain(of_two_rigs)
             .collect(),
-        uncertainty: Some(uncertainty(&fit, adequacy.is_adequate())),
+        uncertainty: Some(uncertainty(&fit, adequacy.is_noise)),
         chamber: fit.chamber_of_rig(),
         ambient_temperature_k: data.ambient_temperature_k,
     })

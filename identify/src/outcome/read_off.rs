@@ -40,10 +40,10 @@ pub struct LeftOut {
 
 impl Empirical {
     /// What was found, in words and numbers.
-    pub fn of(found: &ReadOff, is_adequate: bool) -> Option<Self> {
+    pub fn of(found: &ReadOff, leaves_noise: bool) -> Option<Self> {
         let (effect, curve) = (effects::Empirical::PLACE, found.curve()?);
         let fit = &found.candidate.fit;
-        let covariance = covariance::covariance(fit, is_adequate);
+        let covariance = covariance::covariance(fit, leaves_noise);
         let values = fit.hypothesis.axes.iter().zip(covariance::estimates(fit, &covariance));
         let ci95 = values.filter(|(axis, _)| matches!(axis.slot, Slot::Effect(e, _) if e == effect));
         Some(Self {

@@ -68,8 +68,8 @@ pub struct RecordFound {
 }
 
 /// Each record's own numbers and error.
-pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], is_adequate: bool) -> Vec<RecordFound> {
-    let rig = covariance::covariance(fit, is_adequate);
+pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], leaves_noise: bool) -> Vec<RecordFound> {
+    let rig = covariance::covariance(fit, leaves_noise);
     (0..data.traces.len())
         .map(|k| {
             let t = &data.traces[k];
@@ -308,7 +308,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let fit = &found.chosen.fit;
     out.extend(stated_numbers::moved_gas(data));
     out.extend(stated_numbers::moved_zero(data));
-    out.extend(stated_numbers::sentence(data, fit));
+    // What nobody minds may be an effect, for which wrong numbers stand.
+    if found.verdict != Verdict::Adequate || found.better_than_reported(data).is_none() {
+        out.extend(stated_numbers::sentence(data, fit));
+    }
     out.extend(other_gas::sentence(data, found));
     if found.verdict != Verdict::Adequate {
         out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));

@@ -10,7 +10,7 @@ use crate::forward::Correction;
 use crate::policy;
 use crate::record::data::{Data, Prepared};
 use crate::record::gaps;
-use chamber::card::{Kind, Parameter, Prior, Unit};
+use chamber::card::{Fitted, Kind, Parameter, Prior, Unit};
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use chamber::real::Real;
 use chamber::simulate::Start;
@@ -71,11 +71,12 @@ impl Hypothesis {
         let is_delayed = model.of_rig().iter().any(delays_pressure);
         for e in model.effects.iter() {
             let in_use = (CARDS[e].length)(base.effects.of(e));
-            let free = |p: &Parameter| match p.kind {
-                Kind::Place { index, .. } => p.fitted && index < in_use,
+            let free = |p: &Parameter| match (p.fitted, p.kind) {
+                (Fitted::Never, _) => false,
+                (Fitted::Secondary, _) => model.secondary.has(e),
+                (Fitted::Always, Kind::Place { index, .. }) => index < in_use,
                 // Of two delays only the difference shows; beside one of the pressures, that of a filtered position is its filter's.
-                _ if p.fitted && is_delayed && delays_position(e) => !model.secondary.has(e),
-                _ => p.fitted || model.secondary.has(e),
+                (Fitted::Always, _) => !(is_delayed && delays_position(e) && model.secondary.has(e)),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
                 if let (Some(curve), Kind::Place { index, .. }) = (curve_of(e, base), parameter.kind) {
@@ -95,7 +96,7 @@ impl Hypothesis {
                     }
                     _ => {}
                 }
-                if delays_position(e) && parameter.fitted {
+                if delays_position(e) && parameter.fitted == Fitted::Always {
                     let earliest_s = if model.secondary.has(e) { -EARLIEST_ROWS * data.shortest_row_s() } else { 0.0 };
                     bounds[0] = bounds[0].max(earliest_s / scale);
                 }

@@ -2,18 +2,21 @@
 //! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
 //! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
 
-use super::{Candidate, Found, Search, Verdict, contradictions, terms};
+use super::{Candidate, Found, Search, Verdict, contradictions, starts, terms};
 use crate::error::Error;
+use crate::judge::evidence::bic;
 use crate::judge::{adequacy, kinds};
+use crate::parameters::Model;
 use crate::policy;
 use crate::record::data::Data;
+use rayon::prelude::*;
 
 impl Search {
     /// Comes to a verdict, with the data as the search has weighed them.
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
-        if verdict == Verdict::Explained && self.try_others_in_place(&parts) {
+        if verdict == Verdict::Explained && (self.try_further() || self.try_others_in_place(&parts)) {
             (by_geometry, _) = self.leave_out_unneeded();
             (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
         }
@@ -67,6 +70,19 @@ impl Search {
         (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
     }
 
+    /// Tries the sets with a further effect that promise decisive evidence; whether one entered. With noise left the rounds have ended
+    /// before them, but the numbers may depend on what is hidden in that.
+    fn try_further(&mut self) -> bool {
+        let chosen = &self.chosen;
+        let least = bic(&chosen.fit) - policy::DECISIVE;
+        let promises = |model: &Model| {
+            let promised = starts::promised_bic(&self.data, *model, &chosen.fit, &self.sizes);
+            !model.has_terms_of_records() && promised.is_some_and(|promised| promised < least)
+        };
+        let models = terms::added_to(&self.data, &chosen.model).into_par_iter().filter(promises).collect();
+        self.try_all([models])
+    }
+
     /// Tries sets with another effect in the place of each of the chosen ones, by what is left without it, where these are so many
     /// that the search, which adds one effect after another, has not come to all such sets; whether one entered.
     fn try_others_in_place(&mut self, parts: &[Candidate]) -> bool {
@@ -93,7 +109,6 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Model;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};

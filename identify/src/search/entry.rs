@@ -7,6 +7,7 @@ use crate::judge::evidence::bic;
 use crate::judge::{adequacy, left_out, sanity};
 use crate::parameters::Model;
 use crate::policy;
+use chamber::card::Fitted;
 use chamber::effects::CARDS;
 use rayon::prelude::*;
 
@@ -64,6 +65,8 @@ impl Search {
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
         let decisive = policy::DECISIVE + among.ln();
         let lower = match over.held_out {
+            // What errs less in fast moves alone, where rows tell little, must not err more elsewhere.
+            Some(_) if c.errs_more(over, self.data.accuracy_pa()) => false,
             Some(_) => c.errs_less(over, least_gain) || self.is_another_cause(c, decisive),
             None => c.held_out.is_some(),
         };
@@ -114,7 +117,7 @@ impl Search {
     /// The same set with its secondary parameters free, where that is decisively better.
     pub(super) fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
-        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| !p.fitted);
+        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| p.fitted == Fitted::Secondary);
         if model == c.model || !model.secondary.iter().any(has_secondary) {
             return None;
         }
@@ -157,13 +160,13 @@ impl Search {
 
 /// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
 /// are for), and no fault of the recording so large that it has another cause.
-pub(super) fn is_credible(fit: &Fit) -> bool {
+pub(crate) fn is_credible(fit: &Fit) -> bool {
     fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
 }
 
-/// Whether the records tell λ0 better than its first guess does.
+/// Whether the records tell λ0 better than its first guess does, and with it what of the stated numbers it would follow.
 fn determines_lambda0(fit: &Fit) -> bool {
-    covariance::covariance(fit, false)[(0, 0)].sqrt() < policy::FIRST_GUESS_REACH
+    covariance::beside_all(fit, 0).sqrt() < policy::FIRST_GUESS_REACH
 }
 
 #[cfg(test)]
@@ -248,6 +251,9 @@ mod tests {
         // Not if it predicts worse by what matters, nor where more than noise is left.
         large.held_out = errs(error + 2.0 * search.data.accuracy_pa());
         assert!(!search.enters(&large, 2.0));
+        // Nor if it errs less in fast moves alone and more elsewhere.
+        let more_elsewhere = HeldOut { rmse_pa: 0.0, weighed_pa: error + 2.0 * search.data.accuracy_pa() };
+        assert!(!search.enters(&Candidate { held_out: Some(more_elsewhere), ..large.clone() }, 2.0));
         large.held_out = errs(error);
         search.chosen_adequacy.is_noise = false;
         search.chosen_adequacy.is_good_enough = false;

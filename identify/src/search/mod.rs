@@ -32,12 +32,14 @@ use crate::fit::Fit;
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::bic;
 use crate::judge::left_out::{self, Fold, HeldOut};
+use crate::judge::misfit;
 use crate::judge::sanity;
 use crate::parameters::{Model, Sizes};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::effects::EffectSet;
 use curve::ReadOff;
+pub(crate) use entry::is_credible;
 use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model;
@@ -64,6 +66,11 @@ impl Candidate {
     /// Whether it takes more than this error, Pa, off that of another one on left-out data.
     fn errs_less(&self, than: &Self, by_pa: f64) -> bool {
         self.held_out.zip(than.held_out).is_some_and(|(ours, theirs)| ours.is_less(&theirs, by_pa))
+    }
+
+    /// Whether it adds more than this error, Pa, to that of another one on left-out data, where rows count as much as they tell.
+    fn errs_more(&self, than: &Self, by_pa: f64) -> bool {
+        self.held_out.zip(than.held_out).is_some_and(|(ours, theirs)| ours.is_more(&theirs, by_pa))
     }
 }
 
@@ -109,7 +116,7 @@ impl Found {
 
     /// The best set with no more terms than the reported one that has decisively more evidence and leaves noise: what kept it from
     /// entering may be a volume that cannot be.
-    fn better_than_reported(&self, data: &Data) -> Option<&Candidate> {
+    pub(crate) fn better_than_reported(&self, data: &Data) -> Option<&Candidate> {
         let reported = self.reported();
         let is_better = |c: &&Candidate| c.delta_bic > reported.delta_bic + policy::DECISIVE && c.fit.converged;
         let is_no_larger = |c: &&Candidate| c.model.terms() <= reported.model.terms().max(1);
@@ -254,15 +261,22 @@ impl Search {
             return false;
         }
         if self.needs_no_more_names() {
-            // One more round where a term has entered, as another one may be hidden behind it; and while what single records
-            // have for themselves may stand for effects of the rig.
-            return (level == 1 && model.terms() == 1) || model.has_terms_of_records();
+            // One more round where a term has entered, as another one may be hidden behind it; while what single records have for
+            // themselves may stand for effects of the rig; and where they may have more for themselves.
+            return (level == 1 && model.terms() == 1) || model.has_terms_of_records() || self.records_may_differ();
         }
         // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an average or
         // a low-pass.
         let is_next_to_nothing = self.chosen_adequacy.systematic_pa < self.data.noise.total_pa()
             && self.chosen_adequacy.settles(self.baseline_adequacy.systematic_pa);
         !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
+    }
+
+    /// Whether records may have more for themselves: the chosen model leaves more than noise in all, however little of it repeats have
+    /// in common and however slow it is. A gauge's zero that is read anew before each record is no noise.
+    fn records_may_differ(&self) -> bool {
+        let noise_pa = self.data.noise.total_pa().hypot(self.data.accuracy_pa());
+        misfit::weighed_rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit)) > noise_pa
     }
 
     /// Whether what the chosen model leaves is noise, or nobody minds it: without any name, or where it is next to nothing beside
@@ -508,6 +522,25 @@ mod tests {
         assert!(search.singles_with_a_delay().contains(&Model::with(both)));
         search.round(1);
         assert!(search.tried.iter().any(|c| c.model.of_rig() == both && c.fit.converged));
+    }
+
+    #[test]
+    fn zeros_of_a_gauge_that_differ_from_record_to_record_are_looked_for_beside_effects_that_leave_repeats_nothing_in_common()
+     {
+        let effects = ["leakage", "tube_volume"].map(|name| find(name).unwrap().0);
+        let mut recipe = Recipe { repeats: 3, noise_pa: 60.0, ..Recipe::from_seed(5) };
+        recipe.faults.offset_pa.between = 1500.0;
+        let recipe = effects.iter().fold(recipe, |recipe, effect| recipe.with_strength(*effect, 1.0));
+        let mut search = Search::after_first_fit(&recipe);
+        let both = Model::with(effects.into_iter().collect());
+        search.chosen = search.candidate(fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap());
+        search.chosen = search.judged(search.chosen.clone());
+        search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
+        assert!(search.needs_no_more_names() && search.records_may_differ() && search.goes_on(2));
+        search.round(2);
+        let own = search.chosen.model.own;
+        assert!(own.has(find("sensor_offset").unwrap().0), "{:?}", search.chosen.model);
+        assert!(!search.records_may_differ());
     }
 
     #[test]

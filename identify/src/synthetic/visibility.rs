@@ -4,6 +4,7 @@
 //! Gauss and Newton): the rms of the rest, Pa. Nothing of the fits is used.
 
 use super::{Faults, Recipe};
+use chamber::card::Fitted;
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use nalgebra::{DMatrix, DVector};
 
@@ -23,7 +24,7 @@ pub fn beside_others_pa(with: &Recipe, effect: usize) -> f64 {
     let mut free = paper(&without);
     free.push(Parameter::AmbientTemperature);
     for e in without.chamber.active().iter() {
-        let fitted = CARDS[e].parameters.iter().enumerate().filter(|(_, p)| p.fitted);
+        let fitted = CARDS[e].parameters.iter().enumerate().filter(|(_, p)| p.fitted == Fitted::Always);
         free.extend(fitted.map(|(i, _)| Parameter::OfEffect(PARAMETER_OFFSETS[e] + i)));
     }
     beyond_pa(with, &without, &free)

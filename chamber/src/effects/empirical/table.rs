@@ -2,7 +2,7 @@
 
 use super::term::Term;
 use super::variable::Variable;
-use crate::card::{Kind, Parameter, Unit};
+use crate::card::{Fitted, Kind, Parameter, Unit};
 use crate::real::Real;
 
 /// Places for knots.
@@ -93,7 +93,7 @@ const fn word(name: &'static str, words: &'static [&'static str], doc: &'static 
         name,
         kind: Kind::Word(words),
         bounds: 0.0..=words.len() as f64,
-        fitted: false,
+        fitted: Fitted::Never,
         doc,
         ..Parameter::DEFAULT
     }
@@ -107,7 +107,7 @@ const fn place(name: &'static str, index: usize, typical: f64, doc: &'static str
         kind: Kind::Place { index, rising },
         bounds: -1e12..=1e12,
         typical,
-        fitted: !rising,
+        fitted: if rising { Fitted::Never } else { Fitted::Always },
         doc,
         ..Parameter::DEFAULT
     }
