@@ -105,8 +105,8 @@ pub const NEXT_TO_NOTHING: f64 = 0.02;
 /// The same where it is below the accuracy asked for, too: the error of a stroke, of a position sensor or of a law has a shape that
 /// shows in long records, and nobody minds it.
 pub const LITTLE: f64 = 0.1;
-/// ...and unless noise has that shape with less than this probability: then it is plain that something else is at work, however little
-/// of it there is.
+/// Little that is left has a plain shape if noise has it with less than this probability: something else is at work beyond doubt, and the
+/// named effects only improve.
 pub const PLAIN_SHAPE: f64 = 1e-20;
 
 /// A rest that, read in another unit, is within this share of the pressure of the surroundings may be one with the port

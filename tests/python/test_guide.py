@@ -208,7 +208,7 @@ POLICY = {
     "MOST_GONE: f64 = 0.25": "falls below a quarter of that of the paper's model",
     "NEXT_TO_NOTHING: f64 = 0.02": "leaves less than 2 % of the systematic misfit",
     "LITTLE: f64 = 0.1": "leaves less than a tenth of that and is good enough",
-    "PLAIN_SHAPE: f64 = 1e-20": "unless noise has its shape with a probability of less than 10⁻²⁰",
+    "PLAIN_SHAPE: f64 = 1e-20": "if noise has its shape with a probability of less than 10⁻²⁰",
     "AT_AMBIENT: f64 = 0.02": "within 2 % of the pressure of the surroundings",
     "COMPRESSED_AIR_PA: std::ops::RangeInclusive<f64> = 2.5e4..=1.2e6": "outside 0.25 to 12 bar",
     "APART_FROM: f64 = 3.0": "more than three times the white noise",

@@ -84,9 +84,13 @@ impl Adequacy {
     /// good enough. To be good enough alone is not enough: a remainder with a shape that is a good part of what there was says that
     /// something else is at work, which the named effects may imitate.
     pub fn explains(&self, before_pa: f64) -> bool {
-        let is_little =
-            self.is_good_enough && self.systematic_pa < LITTLE * before_pa && self.family_probability > PLAIN_SHAPE;
+        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
         self.is_noise || self.is_next_to_nothing(before_pa) || is_little
+    }
+
+    /// Whether what is left beside a systematic misfit of so many Pa before has a shape, beyond doubt, that noise has not.
+    pub fn has_plain_shape(&self, before_pa: f64) -> bool {
+        !self.is_noise && !self.is_next_to_nothing(before_pa) && self.family_probability < PLAIN_SHAPE
     }
 
     /// Whether what is left is next to nothing beside a systematic misfit of so many Pa before.
@@ -121,7 +125,8 @@ mod tests {
         assert_eq!(judged(left(1.5, false)), (true, true));
         assert_eq!(judged(left(30.0, false)), (false, false));
         // What has a plain shape is something else, unless it is next to nothing.
-        let plain = |left: Adequacy| judged(Adequacy { family_probability: 1e-25, ..left });
-        assert_eq!([plain(left(8.0, false)), plain(left(1.5, false))], [(true, false), (true, true)]);
+        let is_plain = |left: Adequacy| Adequacy { family_probability: 1e-25, ..left }.has_plain_shape(100.0);
+        assert_eq!([is_plain(left(8.0, false)), is_plain(left(1.5, false))], [true, false]);
+        assert!(!left(8.0, false).has_plain_shape(100.0));
     }
 }

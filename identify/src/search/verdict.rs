@@ -21,7 +21,7 @@ impl Search {
                 _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
                     Verdict::Improved
                 }
-                true if carries_over => Verdict::Explained,
+                true if carries_over && !self.chosen_adequacy.has_plain_shape(before_pa) => Verdict::Explained,
                 _ => Verdict::Improved,
             };
         }
