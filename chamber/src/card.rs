@@ -348,6 +348,11 @@ impl Card {
         !matches!(self.tried, Tried::Never)
     }
 
+    /// Its parameters that a fit frees like that, with their places.
+    pub fn fitted(&self, fitted: Fitted) -> impl Iterator<Item = (usize, &'static Parameter)> + use<> {
+        self.parameters.iter().enumerate().filter(move |(_, p)| p.fitted == fitted)
+    }
+
     /// What most effects have in common: they change the gas, belong to the rig, have no state of their own, leave no
     /// closed form, and a diagnosis tries them.
     pub const DEFAULT: Card = Card {

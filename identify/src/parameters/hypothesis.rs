@@ -354,6 +354,21 @@ mod tests {
     use chamber::effects::{DeadVolumeSurface, EffectSet, GasZones, PositionDelay, find};
 
     #[test]
+    fn a_convention_is_free_in_no_fit_and_a_secondary_number_where_it_is_asked_for() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let chamber = first_chamber(&data);
+        let free_of = |name: &str| {
+            let set = EffectSet::one(find(name).unwrap().0);
+            [EffectSet::NONE, set].map(|secondary| {
+                let model = Model { secondary, ..Model::with(set) };
+                let h = Hypothesis::new(&data, model, &chamber, &Sizes::of(&data, &chamber));
+                h.axes.iter().filter(|axis| axis.slot.name().starts_with(name)).count()
+            })
+        };
+        assert_eq!([free_of("gas_column_length"), free_of("pressure_exponent")], [[1, 1], [1, 2]]);
+    }
+
+    #[test]
     fn records_that_do_not_show_their_surroundings_have_a_temperature_of_them_each_and_a_single_one_has_not() {
         let own_of = |recipe: &Recipe, shows_ambient: bool| {
             let mut data = Data::prepare(&recipe.rig()).unwrap();

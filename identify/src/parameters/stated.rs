@@ -49,14 +49,7 @@ fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
 /// Secondary parameters that are not free, in units of how far they are known beforehand.
 fn by_cards(data: &Data, model: &Model) -> Vec<Axis> {
     let held = model.of_rig().without(model.secondary);
-    let of_effect = |e: usize| {
-        CARDS[e]
-            .parameters
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| p.fitted == Fitted::Secondary)
-            .map(move |(p, it)| (e, p, it))
-    };
+    let of_effect = |e: usize| CARDS[e].fitted(Fitted::Secondary).map(move |(p, it)| (e, p, it));
     held.iter()
         .flat_map(of_effect)
         .filter_map(|(e, p, it)| Some(within_tolerance(Slot::Effect(e, p), it.prior(&data.gas)?.standard_deviation)))

@@ -2,14 +2,11 @@
 //! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
 //! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
 
-use super::{Candidate, Found, Search, Verdict, contradictions, starts, terms};
+use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
-use crate::judge::evidence::bic;
 use crate::judge::{adequacy, kinds};
-use crate::parameters::Model;
 use crate::policy;
 use crate::record::data::Data;
-use rayon::prelude::*;
 
 impl Search {
     /// Comes to a verdict, with the data as the search has weighed them.
@@ -70,17 +67,11 @@ impl Search {
         (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
     }
 
-    /// Tries the sets with a further effect that promise decisive evidence; whether one entered. With noise left the rounds have ended
-    /// before them, but the numbers may depend on what is hidden in that.
+    /// Tries the more promising of the sets with a further effect; whether one entered. With noise left the rounds have ended before them,
+    /// but the numbers may depend on what is hidden in that.
     fn try_further(&mut self) -> bool {
-        let chosen = &self.chosen;
-        let least = bic(&chosen.fit) - policy::DECISIVE;
-        let promises = |model: &Model| {
-            let promised = starts::promised_bic(&self.data, *model, &chosen.fit, &self.sizes);
-            !model.has_terms_of_records() && promised.is_some_and(|promised| promised < least)
-        };
-        let models = terms::added_to(&self.data, &chosen.model).into_par_iter().filter(promises).collect();
-        self.try_all([models])
+        let further = terms::added_to(&self.data, &self.chosen.model);
+        self.try_all([further.into_iter().filter(|model| !model.has_terms_of_records()).collect()])
     }
 
     /// Tries sets with another effect in the place of each of the chosen ones, by what is left without it, where these are so many
@@ -109,9 +100,27 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::Model;
     use crate::search::starts::fit_model;
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, find};
+
+    #[test]
+    fn a_further_effect_that_is_evident_beside_those_that_leave_noise_is_looked_for() {
+        let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| find(name).unwrap().0);
+        let recipe = Recipe { noise_pa: 40.0, ..Recipe::from_seed(5) }.with_strength(column, 1.0);
+        let mut search = Search::after_first_fit(&recipe.with_strength(surface, 1.0));
+        let fit = |search: &Search, set| {
+            fit_model(&search.data, Model::with(set), &search.baseline.fit, &search.sizes).unwrap()
+        };
+        let both: EffectSet = [column, surface].into_iter().collect();
+        search.chosen = search.candidate(fit(&search, EffectSet::one(column)));
+        search.chosen = search.judged(search.chosen.clone());
+        search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
+        search.try_further();
+        let found = search.tried.iter().find(|c| c.model.effects == both).unwrap();
+        assert!(found.delta_bic > search.chosen.delta_bic + policy::DECISIVE || search.chosen.model.effects == both);
+    }
 
     #[test]
     fn an_effect_that_stands_for_another_one_beside_two_more_is_exchanged_for_it() {

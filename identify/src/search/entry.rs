@@ -117,7 +117,7 @@ impl Search {
     /// The same set with its secondary parameters free, where that is decisively better.
     pub(super) fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
-        let has_secondary = |e: usize| CARDS[e].parameters.iter().any(|p| p.fitted == Fitted::Secondary);
+        let has_secondary = |e: usize| CARDS[e].fitted(Fitted::Secondary).next().is_some();
         if model == c.model || !model.secondary.iter().any(has_secondary) {
             return None;
         }

@@ -167,8 +167,7 @@ pub fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
 fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
     let mut out = vec![*base];
     for &e in fresh {
-        let free: Vec<usize> =
-            (0..CARDS[e].parameters.len()).filter(|&p| CARDS[e].parameters[p].fitted == Fitted::Always).collect();
+        let free: Vec<usize> = CARDS[e].fitted(Fitted::Always).map(|(p, _)| p).collect();
         for &p in &free {
             let values = parameter_starts(e, p, free.len(), sizes);
             out = out
@@ -189,16 +188,15 @@ fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
 /// A chamber for each secondary parameter of an effect that could do what a fitted one of the same unit does: with the one in
 /// the place of the other. A filter looks like a delay, but the way from one to the other may lead over a hill.
 fn exchanged(base: &Chamber, effect: usize) -> Vec<Chamber> {
-    let parameters = CARDS[effect].parameters;
-    let pairs = (0..parameters.len()).flat_map(|p| (0..parameters.len()).map(move |q| (p, q)));
+    let of = |fitted| CARDS[effect].fitted(fitted);
+    let pairs = of(Fitted::Always).flat_map(|p| of(Fitted::Secondary).map(move |q| (p, q)));
     pairs
-        .filter(|&(p, q)| (parameters[p].fitted, parameters[q].fitted) == (Fitted::Always, Fitted::Secondary))
-        .filter(|&(p, q)| parameters[p].unit == parameters[q].unit)
-        .map(|(p, q)| {
+        .filter(|((_, fitted), (_, secondary))| fitted.unit == secondary.unit)
+        .map(|((p, fitted), (q, secondary))| {
             let mut chamber = *base;
             let values = chamber.effects.of_mut(effect);
-            values[q] = values[p].clamp(*parameters[q].bounds.start(), *parameters[q].bounds.end());
-            values[p] = parameters[p].neutral;
+            values[q] = values[p].clamp(*secondary.bounds.start(), *secondary.bounds.end());
+            values[p] = fitted.neutral;
             chamber
         })
         .collect()

@@ -24,7 +24,7 @@ pub fn beside_others_pa(with: &Recipe, effect: usize) -> f64 {
     let mut free = paper(&without);
     free.push(Parameter::AmbientTemperature);
     for e in without.chamber.active().iter() {
-        let fitted = CARDS[e].parameters.iter().enumerate().filter(|(_, p)| p.fitted == Fitted::Always);
+        let fitted = CARDS[e].fitted(Fitted::Always);
         free.extend(fitted.map(|(i, _)| Parameter::OfEffect(PARAMETER_OFFSETS[e] + i)));
     }
     beyond_pa(with, &without, &free)
