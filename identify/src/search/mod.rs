@@ -525,8 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_of_a_gauge_that_differ_from_record_to_record_are_looked_for_beside_effects_that_leave_repeats_nothing_in_common()
-     {
+    fn zeros_of_a_gauge_that_differ_between_records_are_looked_for_beside_effects_that_repeats_agree_on() {
         let effects = ["leakage", "tube_volume"].map(|name| find(name).unwrap().0);
         let mut recipe = Recipe { repeats: 3, noise_pa: 60.0, ..Recipe::from_seed(5) };
         recipe.faults.offset_pa.between = 1500.0;
