@@ -127,14 +127,13 @@ impl Job {
         let begun = Instant::now();
         let answer = catch_unwind(AssertUnwindSafe(|| identify::diagnose(&rig, &|_, _| ())));
         let seconds = begun.elapsed().as_secs_f64();
-        let mut left = None;
-        let (json, error) = match answer {
+        let (json, left, error) = match answer {
             Ok(Ok(found)) => {
-                left = Some(found.found.adequacy().clone());
-                (serde_json::to_value(&found.diagnosis).unwrap_or_default(), None)
+                let json = serde_json::to_value(&found.diagnosis).unwrap_or_default();
+                (json, Some(found.found.adequacy().clone()), None)
             }
-            Ok(Err(error)) => (Value::Null, Some(error.to_string())),
-            Err(_) => (Value::Null, Some("panic".to_owned())),
+            Ok(Err(error)) => (Value::Null, None, Some(error.to_string())),
+            Err(_) => (Value::Null, None, Some("panic".to_owned())),
         };
         let said = answer_of(&json);
         let effect = self.effect.map(|e| CARDS[e].name);

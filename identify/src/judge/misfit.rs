@@ -109,6 +109,9 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
 /// only noise is farther from such a reading than half a step s: of a standard deviation σ a mean square of 4σ³/(3s√(2π)). A model that
 /// is off by b leaves b³/(3s) more.
 fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
+    if !data.noise.sticks {
+        return None;
+    }
     let (step, noise) = (data.noise.step_pa, data.noise.white_pa.hypot(data.noise.coloured_pa()));
     let held = data.traces.iter().zip(residuals).flat_map(|(t, residual)| {
         let rests = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move);
@@ -117,8 +120,8 @@ fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
     let squares = held.map(|r| (r.abs() - 0.5 * step).max(0.0).powi(2));
     let (sum, rows) = squares.fold((0.0, 0usize), |(sum, n), square| (sum + square, n + 1));
     let by_noise = 4.0 * noise.powi(3) / (3.0 * step * (2.0 * PI).sqrt());
-    let off_pa = || (3.0 * step * (sum / rows.max(1) as f64 - by_noise).max(0.0)).cbrt();
-    data.noise.sticks.then(|| off_pa().powi(2))
+    let off_pa = (3.0 * step * (sum / rows.max(1) as f64 - by_noise).max(0.0)).cbrt();
+    Some(off_pa.powi(2))
 }
 
 /// Mean product of the residuals of different repeats at the same place of a segment, Pa².

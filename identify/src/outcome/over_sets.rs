@@ -6,12 +6,10 @@
 //! et al., Stat. Sci. 14 (1999) 382 (Bayesian model averaging).
 
 use crate::fit::covariance::{Estimate, NORMAL_95};
-use crate::judge::evidence::bic_widened;
 use crate::outcome::estimates::{Estimates, parameters};
 use crate::outcome::probability;
-use crate::policy;
 use crate::record::data::Data;
-use crate::search::{Candidate, Found, is_credible, terms};
+use crate::search::{Candidate, Found};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The chosen set's numbers with their intervals over all sets that can be in its place.
@@ -19,7 +17,7 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise:
     // A set of more evidence that was not chosen predicts left-out data no better.
     let odds = |c: &Candidate| probability::odds((c.delta_bic - found.chosen.delta_bic).min(0.0));
     let others: Vec<(f64, Estimates)> = alike(found)
-        .chain(left_to_the_accuracy(found))
+        .chain(found.evident_beside_chosen())
         .map(|c| (odds(c), parameters(data, &c.fit, leaves_noise)))
         .collect();
     for (name, number) in &mut numbers {
@@ -40,20 +38,6 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise:
 /// The sets that the data cannot tell from the chosen one.
 fn alike(found: &Found) -> impl Iterator<Item = &Candidate> {
     found.alike.iter().filter_map(|model| found.tried.iter().find(|c| c.model == *model && c.fit.converged))
-}
-
-/// The best set with an effect more than the chosen one, whose evidence is decisive with a wide geometry too: that it takes off less than
-/// the accuracy asked for keeps it from having a name, but whoever asks for less of the pressures has not asked for less of what is told
-/// of the numbers.
-fn left_to_the_accuracy(found: &Found) -> Option<&Candidate> {
-    let chosen = &found.chosen;
-    let is_next =
-        |c: &&Candidate| terms::is_part(&chosen.model, &c.model) && c.model.terms() == chosen.model.terms() + 1;
-    let wide = |c: &Candidate| bic_widened(&c.fit, policy::GEOMETRY_WIDENED);
-    let least = |c: &&Candidate| (c.delta_bic - chosen.delta_bic).min(wide(chosen) - wide(c));
-    let can_be = |c: &&Candidate| !c.model.has_terms_of_records() && is_credible(&c.fit) && c.fit.exhausted().is_none();
-    let among = found.tried.iter().filter(is_next).filter(can_be);
-    among.max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)).filter(|best| least(best) > policy::DECISIVE)
 }
 
 /// 95 % interval of a mixture of normal distributions, each with its own width to either side, with these weights.

@@ -114,8 +114,7 @@ mod tests {
             fit_model(&search.data, Model::with(set), &search.baseline.fit, &search.sizes).unwrap()
         };
         let both: EffectSet = [column, surface].into_iter().collect();
-        search.chosen = search.candidate(fit(&search, EffectSet::one(column)));
-        search.chosen = search.judged(search.chosen.clone());
+        search.chosen = search.judged(search.candidate(fit(&search, EffectSet::one(column))));
         search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
         search.try_further();
         let found = search.tried.iter().find(|c| c.model.effects == both).unwrap();

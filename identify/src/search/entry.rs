@@ -160,7 +160,7 @@ impl Search {
 
 /// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
 /// are for), and no fault of the recording so large that it has another cause.
-pub(crate) fn is_credible(fit: &Fit) -> bool {
+pub(super) fn is_credible(fit: &Fit) -> bool {
     fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
 }
 

@@ -39,7 +39,6 @@ use crate::policy;
 use crate::record::data::Data;
 use chamber::effects::EffectSet;
 use curve::ReadOff;
-pub(crate) use entry::is_credible;
 use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model;
@@ -532,8 +531,8 @@ mod tests {
         let recipe = effects.iter().fold(recipe, |recipe, effect| recipe.with_strength(*effect, 1.0));
         let mut search = Search::after_first_fit(&recipe);
         let both = Model::with(effects.into_iter().collect());
-        search.chosen = search.candidate(fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap());
-        search.chosen = search.judged(search.chosen.clone());
+        let fit = fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap();
+        search.chosen = search.judged(search.candidate(fit));
         search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
         assert!(search.needs_no_more_names() && search.records_may_differ() && search.goes_on(2));
         search.round(2);

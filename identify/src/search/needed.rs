@@ -3,8 +3,9 @@
 //! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated, the gas's ratio within
 //! its tolerance: an effect that a wrong bore or humid air could imitate is not named.
 
-use super::starts::{as_stated, fit_model};
-use super::{Candidate, Search, terms};
+use super::entry::is_credible;
+use super::starts::fit_model;
+use super::{Candidate, Found, Search, terms};
 use crate::fit::Fit;
 use crate::judge::adequacy;
 use crate::judge::evidence::bic_widened;
@@ -20,8 +21,7 @@ impl Search {
         let mut by_geometry = None;
         while self.chosen.model.terms() > 0 {
             let mut parts = self.without_one();
-            let least = |less| self.needed(less).min(self.needed_in_wide_geometry(less));
-            let needed: Vec<f64> = parts.iter().map(least).collect();
+            let needed: Vec<f64> = parts.iter().map(|less| self.chosen.least_gain_over(less)).collect();
             let weakest = (0..parts.len()).min_by(|a, b| needed[*a].total_cmp(&needed[*b]));
             let Some(weakest) = weakest else { break };
             if needed[weakest] > policy::DECISIVE {
@@ -68,10 +68,9 @@ impl Search {
     /// A fit of a part of a fitted model, from the numbers that it has there.
     pub(super) fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
         let mut from = whole.clone();
-        let chamber = whole.chamber();
         let gone = whole.hypothesis.model.effects.without(model.effects);
-        let chamber = chamber::Chamber { effects: chamber.effects.without(gone), ..chamber };
-        from.hypothesis.base = as_stated(&chamber, whole.hypothesis.model.secondary.without(model.secondary));
+        from.hypothesis.base = whole.chamber();
+        from.hypothesis.base.effects = from.hypothesis.base.effects.without(gone);
         from.hypothesis.axes.clear();
         from.rig.clear();
         fit_model(&self.data, model, &from, &self.sizes)
@@ -81,11 +80,28 @@ impl Search {
     fn needed(&self, less: &Candidate) -> f64 {
         self.chosen.delta_bic - less.delta_bic
     }
+}
 
-    /// The same with the geometry far more uncertain than stated.
-    fn needed_in_wide_geometry(&self, less: &Candidate) -> f64 {
-        let wide = |fit: &Fit| bic_widened(fit, policy::GEOMETRY_WIDENED);
-        wide(&less.fit) - wide(&self.chosen.fit)
+impl Candidate {
+    /// Evidence over another one, the less of that with all numbers as stated and with the geometry far more uncertain.
+    fn least_gain_over(&self, less: &Candidate) -> f64 {
+        let wide = |c: &Candidate| bic_widened(&c.fit, policy::GEOMETRY_WIDENED);
+        (self.delta_bic - less.delta_bic).min(wide(less) - wide(self))
+    }
+}
+
+impl Found {
+    /// The best set with an effect more than the chosen one, whose evidence is decisive with a wide geometry too: that it takes off less
+    /// than the accuracy asked for keeps it from having a name, but whoever asks for less of the pressures has not asked for less of what
+    /// is told of the numbers.
+    pub(crate) fn evident_beside_chosen(&self) -> Option<&Candidate> {
+        let chosen = &self.chosen;
+        let is_next =
+            |c: &&Candidate| terms::is_part(&chosen.model, &c.model) && c.model.terms() == chosen.model.terms() + 1;
+        let can_be =
+            |c: &&Candidate| !c.model.has_terms_of_records() && is_credible(&c.fit) && c.fit.exhausted().is_none();
+        let best = self.tried.iter().filter(is_next).filter(can_be).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        best.filter(|best| best.least_gain_over(chosen) > policy::DECISIVE)
     }
 }
 

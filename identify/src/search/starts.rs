@@ -53,7 +53,7 @@ fn bases(data: &Data, part: &Fit, model: &Model) -> Vec<Chamber> {
 }
 
 /// The chamber with the secondary parameters of these effects as their cards state them.
-pub fn as_stated(chamber: &Chamber, effects: EffectSet) -> Chamber {
+fn as_stated(chamber: &Chamber, effects: EffectSet) -> Chamber {
     let mut stated = *chamber;
     for e in effects.iter() {
         let values = stated.effects.of_mut(e).iter_mut().zip(CARDS[e].parameters);
@@ -267,6 +267,10 @@ mod tests {
         let right = fit_model(&data, both, &part, &sizes).unwrap().marginal;
         let mut wrong = part;
         wrong.hypothesis.base.effects.of_mut(leakage)[1] = 0.8;
+        assert_eq!(
+            bases(&data, &wrong, &both).iter().map(|base| base.effects.of(leakage)[1]).collect::<Vec<_>>(),
+            [0.3]
+        );
         let found = fit_model(&data, both, &wrong, &sizes).unwrap();
         assert_eq!(found.chamber().effects.of(leakage)[1], 0.3);
         assert!(found.marginal < 1.001 * right, "{} {right}", found.marginal);
