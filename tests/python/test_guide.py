@@ -202,6 +202,7 @@ POLICY = {
     "KINDS_DEVIATIONS: f64 = 4.0": "more than four standard deviations apart",
     "KNOWN_TO: f64 = 1e-5": "never less than 10⁻⁵ of the rig's highest pressure",
     "ACCURACY_OF_NOISE: f64 = 0.25": "by default a quarter of the noise",
+    "FAR_BEYOND_NOISE: f64 = 3.0": "in no record does the model err by more than three times the noise",
     "PREDICTS_BETTER: f64 = 0.5": "the effects at least halve the systematic error",
     "CARRIES_OVER: f64 = 1.3": "not more than 1.3 times the error on the records it is fitted to",
     "LEFT_OPEN: f64 = 2.0": "less than twice that error is enough",

@@ -1,13 +1,14 @@
 //! What a fit found: the numbers, what they leave, and the linearised problem there.
 
-use super::linear::Linear;
+use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
-use chamber::effects::{self, CARDS, EffectValues};
+use chamber::effects::{self, CARDS, EffectValues, ForcedConvection};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
@@ -136,6 +137,24 @@ impl Fit {
             filter_s: effects::stroke_filter(set, values),
         };
         data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
+    }
+
+    /// How the pressure of each row answers the heat of forced convection, Pa over the share of a small change of that, record by record;
+    /// nothing where the model is without it.
+    pub fn by_speed_pa(&self, data: &Data) -> Vec<Vec<f64>> {
+        const SMALL: f64 = 0.05;
+        let set = self.hypothesis.model.effects;
+        let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
+            let setting = self.setting(t, own);
+            let mut more = setting.clone();
+            more.chamber.effects.of_mut(ForcedConvection::PLACE)[0] *= 1.0 + SMALL;
+            let (here, there) = (readings(t, &setting, set).ok()?, readings(t, &more, set).ok()?);
+            Some(there.iter().zip(here).map(|(there, here)| (there - here) / SMALL).collect())
+        };
+        if !set.has(ForcedConvection::PLACE) {
+            return vec![Vec::new(); data.traces.len()];
+        }
+        data.traces.par_iter().zip(&self.own).map(|record| of_record(record).unwrap_or_default()).collect()
     }
 
     /// Takes the stated numbers that adapt to where the records ask for them, within their tolerances.

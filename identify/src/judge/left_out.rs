@@ -72,9 +72,10 @@ pub fn by_experiment(data: &Data) -> Vec<Fold> {
     (0..folds).map(|fold| without(data, |_, t| t.experiment % folds == fold)).collect()
 }
 
-/// Records left out whole, all of them judged.
+/// Records left out whole, all of them judged. One that is not like its repeats has no part to be judged.
 fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
-    let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !out(k, t)));
+    let is_out = |k: usize, t: &Prepared| t.readout.unlike_repeats.is_none() && out(k, t);
+    let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !is_out(k, t)));
     let (selection, judged_from) =
         kept.map(|(t, kept)| if kept { (t.blocks.len(), t.time_s.len()) } else { (0, 0) }).unzip();
     Fold { selection, judged_from }
@@ -315,6 +316,16 @@ mod tests {
         }
         let (folds, _) = folds_of(1);
         assert!(folds.len() == 1 && folds[0].selection[0] > 0 && folds[0].judged_from[0] > 0);
+    }
+
+    #[test]
+    fn a_record_that_is_unlike_its_repeats_is_neither_left_out_nor_judged() {
+        let (data, fit) = baseline::fitted(Data::prepare(&Recipe::from_seed(5).rig()).unwrap()).unwrap();
+        let data = data.without_records(&[4]);
+        let all = folds(&data);
+        let blocks = data.traces[4].blocks.len();
+        assert!(all.iter().all(|f| (f.selection[4], f.judged_from[4]) == (blocks, data.traces[4].time_s.len())));
+        assert!(error(&data, &fit, &all).is_some_and(|error| error.rmse_pa < 1.2 * data.noise.total_pa()));
     }
 
     #[test]

@@ -68,6 +68,18 @@ pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     rms(data, &data.traces.iter().zip(residuals).map(of_record).collect::<Vec<_>>())
 }
 
+/// The largest of the records' root mean squares, weighed like that, Pa.
+pub fn largest_of_records(data: &Data, residuals: &[Vec<f64>]) -> f64 {
+    let of_record = |(t, residual): (&Prepared, &Vec<f64>)| {
+        let rows = (0..residual.len()).zip(weights(data, t)).filter(|(row, _)| t.readout.is_data(*row));
+        let (sum, count) = rows.fold((0.0, 0), |(sum, n), (row, weight)| (sum + weight * residual[row].powi(2), n + 1));
+        (sum / f64::max(f64::from(count), 1.0)).sqrt()
+    };
+    // What is no number is not small.
+    let larger = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
+    data.traces.iter().zip(residuals).map(of_record).fold(0.0, larger)
+}
+
 /// The systematic part, Pa.
 pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     let [mut held, mut moving] = [(0.0, 0.0); 2];
@@ -206,5 +218,20 @@ mod tests {
         assert!(off_by(0.0) < data.accuracy_pa(), "{} of {}", off_by(0.0), data.accuracy_pa());
         assert!((off_by(1500.0) / 1500.0 - 1.0).abs() < 0.2, "{}", off_by(1500.0));
         assert_eq!(off_by(f64::NAN), f64::INFINITY);
+    }
+
+    #[test]
+    fn what_a_single_record_leaves_is_not_hidden_by_its_repeats() {
+        let (data, fit) = baseline::fitted(Data::prepare(&Recipe::from_seed(5).rig()).unwrap()).unwrap();
+        let mut residuals = residuals(&data, &fit);
+        let noise_pa = data.noise.total_pa();
+        assert!(largest_of_records(&data, &residuals) < 1.5 * noise_pa);
+        // In its hold alone, as moves are judged record by record.
+        let hold = data.traces[4].course.motion.segments.last().unwrap().first..residuals[4].len();
+        hold.for_each(|row| residuals[4][row] += 10.0 * noise_pa * (0.03 * row as f64).sin());
+        assert!(systematic(&data, &residuals) < data.accuracy_pa());
+        assert!(largest_of_records(&data, &residuals) > 4.0 * noise_pa);
+        residuals[4][0] = f64::NAN;
+        assert_eq!(largest_of_records(&data, &residuals), f64::INFINITY);
     }
 }

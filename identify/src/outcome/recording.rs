@@ -187,6 +187,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     }
     out.extend(before_test(data));
     out.extend(opened(data));
+    out.extend(unlike_repeats(data));
     let saturated = |t: &Prepared| saturation::sentence(&t.path, &t.readout.saturated, &t.lines, &t.time_s);
     out.extend(data.traces.iter().filter_map(saturated));
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
@@ -212,6 +213,17 @@ fn opened(data: &Data) -> Option<String> {
     })?;
     Some(format!(
         "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({records})"
+    ))
+}
+
+/// Which records are not like their repeats, and from where on.
+fn unlike_repeats(data: &Data) -> Option<String> {
+    let records = records_with(data, |t| {
+        let first_row = t.readout.unlike_repeats.as_ref()?.start;
+        Some(format!(" from {} on", far_off::named(&[first_row], &t.lines, &t.time_s)))
+    })?;
+    Some(format!(
+        "the pressure differs from that of the other repeats of the same test by far more than repeats do elsewhere, as where a reading stands still for a while, a position is clipped or the port is opened; the rows from the first move on are left out ({records})"
     ))
 }
 

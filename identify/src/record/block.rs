@@ -41,7 +41,8 @@ pub struct Block {
     /// How much the pressure answers a wrong place in the long run, Pa/m.
     pub per_metre: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
-    /// slope of that, by the time at which the move before it really was over, and by the place before that move (`held.rs`).
+    /// slope of that, by the time at which the move before it really was over (`held.rs`), and what relaxes: by the place before that
+    /// move, and by the heat of forced convection in it (`stirred.rs`).
     pub common_sd_pa: [f64; IN_COMMON],
     /// What the piston does.
     pub phase: Phase,

@@ -9,10 +9,11 @@ use crate::record::held;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
+use crate::record::stirred;
 use crate::record::stroke::{Phase, Spline};
 use crate::record::unit::Doubt;
 use crate::record::unresolved;
-use crate::record::whiten::{Place, Whitener};
+use crate::record::whiten::{Place, RELAXING, Whitener};
 use chamber::Gas;
 use records::units::Unit;
 use records::{Cylinder, LineNumbers, Tolerance, extremes, median};
@@ -57,6 +58,9 @@ pub struct Prepared {
     pub relative_tolerance: f64,
     /// How its readings are taken to look at the recorded stroke, where that leaves its moves uncertain.
     pub look: Look,
+    /// How the pressure of each row answers the heat of forced convection, Pa over the share of a small change of that, where the model has
+    /// it: the rows of a move leave a share open.
+    pub by_speed_pa: Vec<f64>,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K: where the record starts in motion it is free.
@@ -76,6 +80,14 @@ impl Prepared {
     /// Time from row to row, s, where no row was lost.
     pub fn row_s(&self) -> f64 {
         self.row_s
+    }
+
+    /// Highest pressure of its rows that are data, Pa.
+    fn highest_pressure_pa(&self) -> f64 {
+        (0..self.pressure_pa.len())
+            .filter(|row| self.readout.is_data(*row))
+            .map(|row| self.pressure_pa[row])
+            .fold(0.0, f64::max)
     }
 
     /// Leaves out what is behind its first gap, if it has one: nothing before tells how warm the gas comes out of it.
@@ -98,6 +110,7 @@ impl Prepared {
         self.blocks =
             blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.look);
         held::share(&mut self.blocks, &self.pressure_pa, motion, &self.position_m, gamma);
+        stirred::share(&mut self.blocks, motion, &self.by_speed_pa);
     }
 
     pub(super) fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {
@@ -106,7 +119,7 @@ impl Prepared {
     }
 
     fn weigh(&mut self, noise: &Noise) {
-        let highest = self.pressure_pa.iter().copied().fold(0.0, f64::max);
+        let highest = self.highest_pressure_pa();
         let [least, most] = RELATIVE_TOLERANCES;
         self.relative_tolerance = (INTEGRATION_ERROR * noise.total_pa() / highest).clamp(least, most);
         let rounding = noise.rounding_pa();
@@ -197,9 +210,9 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest pressure of all rows, Pa.
+    /// Highest pressure of all rows that are data, Pa.
     pub fn highest_pressure_pa(&self) -> f64 {
-        self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(0.0, f64::max)
+        self.traces.iter().map(Prepared::highest_pressure_pa).fold(0.0, f64::max)
     }
 
     /// Mean time from row to row of the record where that is shortest, s.
@@ -236,6 +249,18 @@ impl Data {
         self
     }
 
+    /// The same without these records from their first move on: they are not like their repeats.
+    pub fn without_records(mut self, unlike_repeats: &[usize]) -> Self {
+        let gamma = self.gas.heat_capacity_ratio;
+        for &k in unlike_repeats {
+            let t = &mut self.traces[k];
+            let first_move = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move);
+            t.readout.unlike_repeats = first_move.map(|s| s.first..t.time_s.len());
+            t.lay_out_and_weigh(gamma, &self.noise);
+        }
+        self
+    }
+
     /// Whether just these rows of each trace are left out as outliers, beside the spikes that were known before.
     pub fn is_without(&self, rows: &[Vec<usize>]) -> bool {
         self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
@@ -265,6 +290,31 @@ impl Data {
         }
         data.traces.iter_mut().for_each(|t| t.weigh(&self.noise));
         Some(data)
+    }
+
+    /// The same where the pressures of the rows answer the heat of forced convection so much, record by record. `None` where the data stay as
+    /// they are: nobody minds what the rows of the moves leave open by that, or its change.
+    pub fn stirred(&self, by_speed_pa: Vec<Vec<f64>>) -> Option<Self> {
+        let mut data = self.clone();
+        for (t, by_speed_pa) in data.traces.iter_mut().zip(by_speed_pa) {
+            t.by_speed_pa = by_speed_pa;
+            t.lay_out(self.gas.heat_capacity_ratio);
+        }
+        if (data.relaxing_pa() - self.relaxing_pa()).abs() < self.accuracy_pa() {
+            return None;
+        }
+        data.traces.iter_mut().for_each(|t| t.weigh(&self.noise));
+        Some(data)
+    }
+
+    /// Whether what the rows of moves leave open of the heat of forced convection counts.
+    pub fn is_stirred(&self) -> bool {
+        self.traces.iter().any(|t| !t.by_speed_pa.is_empty())
+    }
+
+    /// The largest deviation that relaxes with the gas of a hold, Pa.
+    fn relaxing_pa(&self) -> f64 {
+        self.traces.iter().flat_map(|t| &t.blocks).map(|b| b.common_sd_pa[RELAXING]).fold(0.0, f64::max)
     }
 
     /// What the positions leave open of the pressures of the moves' rows, Pa rms: what a lag shows of it later is theirs.

@@ -306,7 +306,7 @@ fn robust_mean(variances: &mut [(f64, f64)]) -> f64 {
 }
 
 /// Residual about a polynomial of so many coefficients, by Gram–Schmidt on the powers of centred time.
-fn polynomial_residual(t: &[f64], y: &[f64], coefficients: usize) -> Vec<f64> {
+pub(super) fn polynomial_residual(t: &[f64], y: &[f64], coefficients: usize) -> Vec<f64> {
     let n = t.len();
     let centre = t.iter().sum::<f64>() / n as f64;
     let scale = t.iter().map(|t| (t - centre).abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);

@@ -10,8 +10,9 @@ use crate::record::hampel::{accidental, middle_and_scatter};
 use crate::record::readout::Readout;
 use crate::record::scatter::{scatter, smallest_change};
 use crate::record::stroke::{Phase, Segment};
-use records::DEVIATION_OF_MEDIAN;
+use records::{DEVIATION_OF_MEDIAN, median};
 use statrs::distribution::{Binomial, DiscreteCDF};
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -25,6 +26,25 @@ const COARSEST_STEP: f64 = 0.02;
 const TOGETHER: usize = 2;
 /// Rows on each side that a residual is compared with.
 const REACH: usize = 8;
+
+/// No push compresses a gas so much that a reading is so many times the median.
+const IMPOSSIBLE: f64 = 100.0;
+
+/// A record's pressures, Pa, those that no gas can have replaced by the reading before them, and the rows of these. What is so large
+/// would outweigh all else before it is left out.
+pub fn without_impossible(pressure_pa: &[f64]) -> (Cow<'_, [f64]>, Vec<usize>) {
+    let usual_pa = median(pressure_pa.to_vec());
+    let most_pa = IMPOSSIBLE * usual_pa.abs();
+    let rows: Vec<usize> = (0..pressure_pa.len()).filter(|row| pressure_pa[*row].abs() > most_pa).collect();
+    if rows.is_empty() {
+        return (Cow::Borrowed(pressure_pa), rows);
+    }
+    let mut filled = pressure_pa.to_vec();
+    for &row in &rows {
+        filled[row] = row.checked_sub(1).map_or(usual_pa, |before| filled[before]);
+    }
+    (Cow::Owned(filled), rows)
+}
 
 /// Rows whose pressure stands out of both neighbours by much more than these differ and than the noise, Pa.
 pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usize> {
@@ -270,6 +290,14 @@ mod tests {
         assert!(of_rest(&[3e5, 5e5], 1).is_empty());
         let planned = [&[5e5][..], &[3e5; 30]].concat();
         assert_eq!(of_rest(&planned, 31), [0]);
+    }
+
+    #[test]
+    fn what_no_gas_can_have_is_replaced_by_the_reading_before_it_and_left_out() {
+        let p = [9.9e37, 2e5, 2.1e5, 3e7, -1e300, 2.2e5];
+        let (filled, rows) = without_impossible(&p);
+        assert_eq!((filled.as_ref(), rows), (&[2.2e5, 2e5, 2.1e5, 2.1e5, 2.1e5, 2.2e5][..], vec![0, 3, 4]));
+        assert!(matches!(without_impossible(&p[1..3]), (Cow::Borrowed(_), rows) if rows.is_empty()));
     }
 
     #[test]

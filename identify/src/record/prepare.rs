@@ -191,10 +191,10 @@ impl<'a> Columns<'a> {
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
-        let pressure_pa = Cow::Borrowed(pressure_pa);
+        let (pressure_pa, impossible) = outliers::without_impossible(pressure_pa);
         let time_s: Vec<f64> = trace.time_s.iter().map(|t| t - trace.time_s[0]).collect();
         let motion = gaps::motion(&time_s, &trace.position_m, positions);
-        let (row_s, readout) = (usual_row_s(&time_s), Readout::default());
+        let (row_s, readout) = (usual_row_s(&time_s), Readout { outliers: impossible, ..Readout::default() });
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
     }
 
@@ -230,15 +230,18 @@ impl<'a> Columns<'a> {
     fn spikes(&self, noise_pa: f64) -> Vec<usize> {
         /// Rows between the pressure's corner and the piston's, at the most.
         const BESIDE: usize = 1;
+        let impossible = &self.readout.outliers;
         let mut found = outliers::spikes(&self.pressure_pa, &self.readout, noise_pa);
         if found.is_empty() {
-            return found;
+            return impossible.clone();
         }
         let moves = self.motion.segments.iter().filter(|s| s.phase == Phase::Move);
         let stops = moves.flat_map(|s| [s.from_s, s.to_s]).map(|time| self.time_s.partition_point(|t| *t < time));
         let turns = turning_points(&self.trace.position_m, self.motion.noise_m);
         let corners: Vec<usize> = turns.into_iter().chain(stops).collect();
         found.retain(|row| corners.iter().all(|corner| row.abs_diff(*corner) > BESIDE));
+        found.extend(impossible);
+        found.sort_unstable();
         found
     }
 
@@ -280,6 +283,7 @@ impl<'a> Columns<'a> {
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],
             look: Look::default(),
+            by_speed_pa: Vec::new(),
             initial_pressure_pa: initial_pressure(&pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             positions: positions.clone(),

@@ -7,9 +7,10 @@
 use super::data::{Data, Prepared};
 use super::stroke::Phase;
 
-/// The numbers of an experiment's records among all records.
+/// The numbers of an experiment's records among all records; without those that are not like the others.
 pub fn of(data: &Data, experiment: usize) -> Vec<usize> {
-    (0..data.traces.len()).filter(|&k| data.traces[k].experiment == experiment).collect()
+    let is_one = |t: &Prepared| t.experiment == experiment && t.readout.unlike_repeats.is_none();
+    (0..data.traces.len()).filter(|&k| is_one(&data.traces[k])).collect()
 }
 
 /// Whether these records, at least two, have the same segments one after the other.

@@ -72,17 +72,23 @@ impl Spline {
         let way = self.range().1 - self.range().0;
         let row = (self.time[n - 1] - self.time[0]) / (n - 1) as f64;
         let near = Cell::new(0);
-        let speeds = [self.time[0], self.time[n - 1]].map(|t| Some(self.at(t, &near).1));
-        let worst = (1..3)
-            .map(|first| {
-                let kept = |i: usize| i == 0 || i == n - 1 || i % 2 == first % 2;
-                let pick = |v: &[f64]| v.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, v)| *v).collect();
-                let half = Spline::through(pick(&self.time), pick(&self.value), speeds);
-                let missed = (0..n).filter(|i| !kept(*i)).map(|i| self.value[i] - half.at(self.time[i], &near).0);
-                (missed.sum::<f64>() * row).abs()
-            })
-            .fold(0.0, f64::max);
+        let missed = |half: Spline| {
+            let each = self.time.iter().zip(&self.value).map(|(t, value)| value - half.at(*t, &near).0);
+            (each.sum::<f64>() * row).abs()
+        };
+        let worst = self.halves().map(missed).fold(0.0, f64::max);
         (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / way.max(noise)
+    }
+
+    /// The two curves through every second knot and the ends, with the slopes that this one has there.
+    pub fn halves(&self) -> impl Iterator<Item = Self> + '_ {
+        let last = self.time.len() - 1;
+        let speeds = [self.time[0], self.time[last]].map(|t| Some(self.at(t, &Cell::default()).1));
+        (0..2).map(move |first| {
+            let kept = move |i: usize| i == 0 || i == last || i % 2 == first;
+            let pick = |v: &[f64]| v.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, v)| *v).collect();
+            Self::through(pick(&self.time), pick(&self.value), speeds)
+        })
     }
 
     /// A straight line between two moments, with its corners there.

@@ -21,6 +21,8 @@ use std::ops::{Add, Mul, Sub};
 
 /// Deviations that a segment's means have in common: see `common_sd_pa` of [`super::block::Block`].
 pub const IN_COMMON: usize = 4;
+/// Place of the one by which the gas is too warm or too cold at first.
+pub const RELAXING: usize = 3;
 
 /// Most states of the filter: the coloured processes of flicker noise, the hum's two, those that a segment has in common, one of
 /// rounding.

@@ -16,10 +16,13 @@ pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
     let residuals = misfit::residuals(data, fit);
     let found = outliers::in_residuals(data, &residuals);
     let mut other = data.looked_at(&fit.looks(data));
+    other = other.as_ref().unwrap_or(data).stirred(fit.by_speed_pa(data)).or(other);
     if !data.is_without(&found) {
         other = Some(other.unwrap_or_else(|| data.clone()).without(&found));
     }
     let shown = other.as_ref().unwrap_or(data);
+    // Repeats that differ by what their moves leave open differed by more than noise before.
+    let tells_noise = tells_noise || shown.is_stirred();
     let leaves_far_less = misfit::rms(shown, &residuals) < policy::FAR_LESS_NOISE * shown.noise.total_pa();
     if tells_noise || leaves_far_less {
         let noise = colour::estimate(shown, &residuals, &shown.noise);
@@ -97,8 +100,8 @@ impl Search {
 mod tests {
     use super::*;
     use crate::parameters::Model;
-    use crate::synthetic::Recipe;
-    use chamber::effects::Leakage;
+    use crate::synthetic::{Recipe, Shape};
+    use chamber::effects::{ForcedConvection, Leakage};
 
     #[test]
     fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
@@ -111,5 +114,33 @@ mod tests {
         stuck.fit.marginal *= 2.0;
         let anew = search.no_worse_than_a_part(&stuck, &[]);
         assert!((anew.fit.marginal / good.fit.marginal - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_the_rows_of_fast_moves_leave_open_of_forced_convection_is_no_noise_and_no_misfit() {
+        let mut recipe = Recipe { noise_pa: 20.0, ..Recipe::from_seed(5) }.with("forced_convection", &[4.0]);
+        recipe.tests.iter_mut().flat_map(|test| &mut test.moves).for_each(|(_, length_s, shape, _)| {
+            (*length_s, *shape) = (0.07, Shape::Trapezoid);
+        });
+        let search = Search::after_first_fit(&recipe);
+        let (model, mut data, mut fit) =
+            (Model::with(ForcedConvection::SET), search.data.clone(), search.baseline.fit.clone());
+        let mut deviations = Vec::new();
+        for _ in 0..2 {
+            fit = fit_model(&data, model, &fit, &search.sizes).unwrap();
+            deviations.push(adequacy::test(&data, &fit).squares_deviations);
+            data = as_shown_by(&data, &fit, false).unwrap_or(data);
+        }
+        assert!(data.is_stirred() && data.noise.colours.is_empty() && data.noise.hum.is_none(), "{:?}", data.noise);
+        assert!((data.noise.white_pa / 20.0 - 1.0).abs() < 0.1, "{:?}", data.noise);
+        assert!(
+            deviations[0] > 2.0 * policy::SQUARES_DEVIATIONS && deviations[1] < policy::SQUARES_DEVIATIONS,
+            "{deviations:?}"
+        );
+        let truth = recipe.chamber.heat_transfer.coefficient;
+        let found = fit.chamber().heat_transfer.coefficient;
+        assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
+        // A model without it has no part in that.
+        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().is_stirred());
     }
 }

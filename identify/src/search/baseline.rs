@@ -7,7 +7,7 @@ use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::policy::FIRST_GUESS_REACH;
 use crate::record::data::Data;
 use crate::record::noise::Noise;
-use crate::record::{colour, outliers};
+use crate::record::{colour, outliers, unlike_repeats};
 use rayon::prelude::*;
 
 /// Fits the paper's model; the data come back without outliers and with the noise that it shows.
@@ -15,8 +15,7 @@ use rayon::prelude::*;
 /// # Errors
 /// Where its simulation fails at the very start.
 pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
-    let first = from_scratch(&data)?;
-    let residuals = misfit::residuals(&data, &first);
+    let (data, first, residuals) = without_unlike_repeats(data)?;
     let found = outliers::in_residuals(&data, &residuals);
     let cleaned = !data.is_without(&found);
     let data = if cleaned { data.without(&found) } else { data };
@@ -28,6 +27,20 @@ pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
     let again = fit::fit(&data, &first.hypothesis, first.rig.clone(), first.own.clone(), &fit::all_blocks(&data));
     let fit = again.map_err(|(k, source)| Error::Simulation { trace: data.traces[k].path.clone(), source })?;
     Ok((data, fit))
+}
+
+/// The paper's model fitted without the records that are not like their repeats, and what it leaves of all, Pa.
+fn without_unlike_repeats(data: Data) -> Result<(Data, Fit, Vec<Vec<f64>>), Error> {
+    let first = from_scratch(&data)?;
+    let residuals = misfit::residuals(&data, &first);
+    let unlike = unlike_repeats::among(&data, &residuals);
+    if unlike.is_empty() {
+        return Ok((data, first, residuals));
+    }
+    let data = data.without_records(&unlike);
+    let fit = from_scratch(&data)?;
+    let residuals = misfit::residuals(&data, &fit);
+    Ok((data, fit, residuals))
 }
 
 /// Whether two noises weigh data alike.

@@ -1,6 +1,6 @@
 //! The likelihood of a noise in windows, and the processes that raise it most.
 //!
-//! Windows are free of a polynomial each; the innovations are those of a Kalman filter ([`Whitener`]).
+//! Windows are free of a polynomial each, and of what a hold's readings have in common; the innovations are those of a Kalman filter ([`Whitener`]).
 
 use super::windows::Window;
 use crate::policy::DECISIVE;
@@ -85,12 +85,18 @@ impl Likelihood<'_> {
             squares += values.iter().map(|v| v * v).sum::<f64>();
             freedom += n as f64;
             if self.free > 0 {
-                let basis = basis.rows(0, n);
+                let mut basis = basis.rows(0, n).into_owned();
+                if !window.in_common.is_empty() {
+                    let mut in_common = DVector::from_column_slice(&window.in_common);
+                    whitener.apply(in_common.as_mut_slice());
+                    basis = basis.insert_column(self.free, 0.0);
+                    basis.set_column(self.free, &in_common);
+                }
                 let Some(square) = basis.tr_mul(&basis).cholesky() else { continue };
                 let right = basis.tr_mul(&DVector::from_vec(values));
                 squares -= right.dot(&square.solve(&right));
                 determinants += 2.0 * square.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-                freedom -= self.free as f64;
+                freedom -= basis.ncols() as f64;
             }
         }
         let free = squares / freedom;
@@ -391,7 +397,14 @@ mod tests {
     const ROW_S: f64 = 0.01;
 
     fn windows_of(mut next: impl FnMut(usize) -> f64) -> Vec<Window> {
-        (0..20).map(|_| Window { values: (0..600).map(&mut next).collect(), distance_s: ROW_S, averaged: 1 }).collect()
+        (0..20)
+            .map(|_| Window {
+                values: (0..600).map(&mut next).collect(),
+                distance_s: ROW_S,
+                averaged: 1,
+                in_common: Vec::new(),
+            })
+            .collect()
     }
 
     #[test]
@@ -435,7 +448,7 @@ mod tests {
             .map(|phase| {
                 let hum = |i: usize| 120.0 * (TAU * 0.2 * ROW_S * i as f64 + phase).sin();
                 let values = (0..570).map(|i| hum(i) + 60.0 * random.normal()).collect();
-                Window { values, distance_s: ROW_S, averaged: 1 }
+                Window { values, distance_s: ROW_S, averaged: 1, in_common: Vec::new() }
             })
             .collect();
         let likelihood =
@@ -463,7 +476,7 @@ mod tests {
             for _ in 0..2000 {
                 next();
             }
-            Window { values: (0..120).map(|_| next()).collect(), distance_s: ROW_S, averaged: 1 }
+            Window { values: (0..120).map(|_| next()).collect(), distance_s: ROW_S, averaged: 1, in_common: Vec::new() }
         };
         (0..40).map(|_| window()).collect()
     }
@@ -542,7 +555,7 @@ mod tests {
                 let size = 800.0 * random.normal();
                 let relaxing = |i: usize| size * (-(i as f64) / 300.0).exp();
                 let values = (0..900).map(|i| relaxing(i) + 60.0 * random.normal()).collect();
-                Window { values, distance_s: 0.01, averaged: 1 }
+                Window { values, distance_s: 0.01, averaged: 1, in_common: Vec::new() }
             })
             .collect();
         let scatter = |w: &Window| w.squares() / w.values.len() as f64;

@@ -16,7 +16,7 @@ use crate::policy::DECISIVE;
 use crate::record::data::{Data, Prepared};
 use crate::record::noise::{Hum, Noise};
 use likelihood::{COHERENT, Likelihood, scale_by};
-use windows::{Window, quiet_rows, window, windows};
+use windows::{Window, in_keeping, quiet_rows, window, windows};
 
 /// Coefficients of the polynomial that a window of a single record is free of.
 const FREE_ALONE: usize = 4;
@@ -84,7 +84,7 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         let rows = segments.map(|s| quiet_rows(t, s, false, start.white_pa));
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
-    let windows: Vec<Window> = data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect();
+    let windows = in_keeping(data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect());
     let (fewest_periods, least_pa) = (FEWEST_SEEN, data.least_noise_pa());
     let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, pure: false, least_pa };
     let longest_s = likelihood.longest_s();

@@ -3,11 +3,18 @@
 use crate::record::data::{Data, Prepared};
 use crate::record::repeats;
 use crate::record::stroke::Phase;
+use records::median;
 
 /// Rows after a move that are left out: there the position's noise and the move's course count.
 const AFTER_MOVE: usize = 10;
 /// Longest window, points; longer ones are averaged down to it.
 const LONGEST: usize = 1500;
+/// What a hold's readings have in common shows in the differences of repeats beyond this share of their white noise.
+const SHOWS: f64 = 0.5;
+/// A window stands out that scatters by more than so many times the median of at least so many that are about as long: colours and hums
+/// make windows differ by less.
+const STANDS_OUT: f64 = 10.0;
+const FEWEST_AS_LONG: usize = 4;
 /// Fewest rows of a window where there are no repeats.
 const SHORTEST_ALONE: usize = 40;
 
@@ -19,6 +26,8 @@ pub struct Window {
     pub distance_s: f64,
     /// Readings in each value.
     pub averaged: usize,
+    /// The course of what a hold's readings have in common, in which repeats differ by more than noise; empty where they do not.
+    pub in_common: Vec<f64>,
 }
 
 impl Window {
@@ -36,7 +45,7 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Windo
         contrasts(data, residuals, &repeats::of(data, experiment), white_pa, &mut out);
     }
     if !out.is_empty() {
-        return (out, true);
+        return (in_keeping(out), true);
     }
     for (t, residual) in data.traces.iter().zip(residuals) {
         for s in 0..t.course.motion.segments.len() {
@@ -49,7 +58,23 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Windo
             }
         }
     }
-    (out, false)
+    (in_keeping(out), false)
+}
+
+/// The windows but those that stand out from others as long: what a fault of a single record leaves, a frozen reading or a port opened for a
+/// while, is no noise of the recording.
+pub fn in_keeping(windows: Vec<Window>) -> Vec<Window> {
+    let mean_square = |w: &Window| w.squares() / w.values.len() as f64;
+    let duration_s = |w: &Window| w.values.len() as f64 * w.distance_s;
+    let stands_out: Vec<bool> = windows
+        .iter()
+        .map(|w| {
+            let as_long = windows.iter().filter(|other| (0.5..=2.0).contains(&(duration_s(other) / duration_s(w))));
+            let mut squares: Vec<f64> = as_long.map(mean_square).collect();
+            squares.len() >= FEWEST_AS_LONG && mean_square(w) > STANDS_OUT * STANDS_OUT * median(&mut squares)
+        })
+        .collect();
+    windows.into_iter().zip(stands_out).filter(|(_, stands_out)| !stands_out).map(|(w, _)| w).collect()
 }
 
 /// Rows of a rest or hold that are data, or of its later half; none of a move. Beside a move an average of the positions leaves more of
@@ -87,9 +112,30 @@ fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], white_pa: f64, o
             let values: Vec<f64> = (0..length)
                 .map(|i| ((0..order).map(|k| aligned(k, i)).sum::<f64>() - order as f64 * aligned(order, i)) / norm)
                 .collect();
-            out.extend(window(first, values));
+            out.extend(
+                window(first, values).map(|w| Window { in_common: in_common(first, &rows[0], &w, white_pa), ..w }),
+            );
         }
     }
+}
+
+/// What the readings of a hold at these rows have in common, since the move before it is not quite known: its time or its heat. Nothing where
+/// that is small beside the white noise.
+fn in_common(t: &Prepared, rows: &[usize], window: &Window, white_pa: f64) -> Vec<f64> {
+    let at = |row: &usize| {
+        let [.., late, relaxing] = t.blocks[t.blocks.partition_point(|b| b.end <= *row)].common_sd_pa;
+        late.abs().hypot(relaxing)
+    };
+    let each: Vec<f64> = rows.iter().map(at).collect();
+    match each.iter().copied().fold(0.0, f64::max) > SHOWS * white_pa {
+        true => averaged(&each, window.averaged),
+        false => Vec::new(),
+    }
+}
+
+/// Means of so many values each.
+fn averaged(values: &[f64], count: usize) -> Vec<f64> {
+    values.chunks_exact(count).map(|part| part.iter().sum::<f64>() / part.len() as f64).collect()
 }
 
 /// Values of a record as a window, averaged down to the longest; none where there are too few, or one is no number.
@@ -97,9 +143,31 @@ pub fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
     if values.len() < 8 || values.iter().any(|v| !v.is_finite()) {
         return None;
     }
-    let averaged = values.len().div_ceil(LONGEST);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-    let values: Vec<f64> = values.chunks_exact(averaged).map(mean).collect();
+    let count = values.len().div_ceil(LONGEST);
+    let values = averaged(&values, count);
     let row_s = t.time_s.last().map_or(0.01, |last| last / (t.time_s.len() - 1) as f64);
-    Some(Window { values, distance_s: row_s * (t.readout.readings.period() * averaged as f64), averaged })
+    let distance_s = row_s * (t.readout.readings.period() * count as f64);
+    Some(Window { values, distance_s, averaged: count, in_common: Vec::new() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Random;
+
+    #[test]
+    fn a_window_that_one_faulty_record_leaves_is_no_noise_and_short_quiet_ones_beside_long_loud_ones_are() {
+        let mut random = Random::new(5);
+        let mut window = |rows: usize, sd_pa: f64| Window {
+            values: (0..rows).map(|_| sd_pa * random.normal()).collect(),
+            distance_s: 0.01,
+            averaged: 1,
+            in_common: Vec::new(),
+        };
+        let sizes = [(500, 50.0), (600, 60.0), (500, 5e3), (700, 50.0), (550, 80.0), (40, 3.0), (50, 2.0)];
+        let kept = in_keeping(sizes.map(|(rows, sd_pa)| window(rows, sd_pa)).into());
+        assert_eq!(kept.iter().map(|w| w.values.len()).collect::<Vec<_>>(), [500, 600, 700, 550, 40, 50]);
+        // Of three nothing tells which is the usual one.
+        assert_eq!(in_keeping(vec![window(500, 50.0), window(500, 50.0), window(500, 5e3)]).len(), 3);
+    }
 }

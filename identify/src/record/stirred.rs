@@ -1,0 +1,139 @@
+//! What the rows of a move leave open of the heat of forced convection, which goes by the piston's speed.
+//!
+//! Gas that the piston stirs exchanges heat in proportion to ∫ |v|^0.8 (T − Tw) A dt. The curve through the rows of a move shows the
+//! way well and the speed less so: where the piston sets off or stops between two rows, of few rows ([`open_share`]) that is many
+//! times the noise of a quiet sensor in the pressure of the hold that follows. All rows of the hold have this deviation in common, and it
+//! relaxes as the gas does.
+
+use super::block::Block;
+use super::spline::Spline;
+use super::stroke::{Motion, Phase};
+use super::whiten::RELAXING;
+use std::cell::Cell;
+
+/// Exponent of the speed in the coefficient of forced convection.
+const EXPONENT: f64 = 0.8;
+/// Standard deviation of the heat that is open, over what half of the rows change of it, gap by gap: corners leave as much open, a
+/// smooth stroke a third of it.
+const LEFT_OPEN: f64 = 0.7;
+/// Rows of a move beyond which what they leave open is next to nothing.
+const MANY: usize = 100;
+/// Parts of a gap between two rows that the speed is followed through.
+const PARTS: usize = 10;
+
+/// Share of the heat by the piston's speed that a move's rows leave open, as the curves through every second of them tell.
+fn open_share(stroke: &Spline) -> f64 {
+    if stroke.is_line() || stroke.knots_inside() > MANY {
+        return 0.0;
+    }
+    let near = Cell::new(0);
+    let (time, from) = (stroke.knots().0, stroke.at(stroke.ends().0, &near).0);
+    // The gas is the warmer, or the colder, the longer its way was.
+    let heat = |curve: &Spline, gap: &[f64]| -> f64 {
+        let step = (gap[1] - gap[0]) / PARTS as f64;
+        let moments = (0..PARTS).map(|part| gap[0] + step * (part as f64 + 0.5));
+        moments.map(|t| curve.at(t, &near)).map(|(x, v)| step * (x - from).abs() * v.abs().powf(EXPONENT)).sum()
+    };
+    let whole: Vec<f64> = time.windows(2).map(|gap| heat(stroke, gap)).collect();
+    let changed = |half: Spline| -> f64 {
+        time.windows(2).zip(&whole).map(|(gap, whole)| (heat(&half, gap) - whole).powi(2)).sum()
+    };
+    let most = stroke.halves().map(changed).fold(0.0, f64::max);
+    LEFT_OPEN * most.sqrt() / whole.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
+/// Gives the blocks of moves, and of the holds behind them, what the moves' rows leave open by `by_speed_pa`: how the pressure of each row
+/// answers the heat of forced convection, Pa over the share of a small change of that; empty where the model has none.
+pub fn share(blocks: &mut [Block], motion: &Motion, by_speed_pa: &[f64]) {
+    if by_speed_pa.is_empty() {
+        return;
+    }
+    let of_move = |k: usize| (motion.segments[k].phase == Phase::Move).then(|| open_share(&motion.segments[k].stroke));
+    let shares: Vec<Option<f64>> = (0..motion.segments.len()).map(of_move).collect();
+    for b in blocks {
+        let own = shares[b.segment];
+        let before = b.segment.checked_sub(1).and_then(|k| shares[k]);
+        let open_pa = own.or(before).unwrap_or(0.0) * by_speed_pa[(b.first + b.end - 1) / 2];
+        match own {
+            Some(_) => b.by_position_pa = b.by_position_pa.hypot(open_pa),
+            None => b.common_sd_pa[RELAXING] = b.common_sd_pa[RELAXING].hypot(open_pa),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::between_rows::Look;
+    use crate::record::block::blocks;
+    use crate::record::readout::Readout;
+    use crate::synthetic::{Move, Random, Shape, Stroke};
+
+    /// A move whose time between two rows is one, with its rows.
+    fn recorded(shape: Shape, length_s: f64, begin_s: f64) -> (Stroke, Spline) {
+        let stroke = Stroke { moves: vec![Move { begin_s, length_s, ends_m: [0.0, 1.0], shape }], creep_m_per_s: 0.0 };
+        let time: Vec<f64> = (-2..(begin_s + length_s) as i32 + 4).map(f64::from).collect();
+        let rows = time.iter().map(|t| stroke.at(*t, *t).0).collect();
+        let curve = Spline::through(time, rows, [Some(0.0); 2]);
+        (stroke, curve)
+    }
+
+    /// By which share the heat by speed along the curve through the rows is off.
+    fn off(stroke: &Stroke, curve: &Spline) -> f64 {
+        const STEPS: usize = 4000;
+        let (near, (begin, end)) = (Cell::new(0), curve.ends());
+        let heat = |(x, v): (f64, f64)| x.abs() * v.abs().powf(EXPONENT);
+        let times = || (0..STEPS).map(|k| begin + (end - begin) * (k as f64 + 0.5) / STEPS as f64);
+        let truth: f64 = times().map(|t| heat(stroke.at(t, t))).sum();
+        times().map(|t| heat(curve.at(t, &near))).sum::<f64>() / truth - 1.0
+    }
+
+    #[test]
+    fn the_heat_by_speed_is_off_by_as_much_as_the_rows_leave_open() {
+        let mut random = Random::new(17);
+        for shape in Shape::ALL {
+            let (mut square, mut ratios) = ([0.0; 2], Vec::new());
+            for _ in 0..300 {
+                let (stroke, curve) = recorded(shape, random.log_uniform(4.0, 25.0), random.uniform());
+                let (off, open) = (off(&stroke, &curve), open_share(&curve));
+                square = [square[0] + off * off, square[1] + open * open];
+                ratios.push(off.abs() / open);
+            }
+            let rms = (square[0] / square[1]).sqrt();
+            ratios.sort_by(f64::total_cmp);
+            assert!((0.3..1.5).contains(&rms) && ratios[296] < 3.0, "{shape:?}: {rms} {}", ratios[296]);
+        }
+    }
+
+    #[test]
+    fn a_straight_line_and_a_move_of_many_rows_leave_nothing_open() {
+        assert_eq!(open_share(&Spline::line([0.0, 5.0], [0.0, 1.0])), 0.0);
+        assert_eq!(open_share(&recorded(Shape::Quintic, 300.0, 0.3).1), 0.0);
+    }
+
+    #[test]
+    fn the_hold_behind_a_move_has_in_common_what_its_rows_leave_open_and_the_rest_before_it_nothing() {
+        let time_s: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
+        let stroke = Stroke {
+            moves: vec![Move { begin_s: 0.503, length_s: 0.07, ends_m: [0.1, 0.05], shape: Shape::Trapezoid }],
+            creep_m_per_s: 0.0,
+        };
+        let position_m: Vec<f64> = time_s.iter().map(|t| stroke.at(*t, *t).0).collect();
+        let pressure_pa = vec![2e5; time_s.len()];
+        let motion = Motion::detect(&time_s, &position_m);
+        let own = || blocks(&time_s, &pressure_pa, &motion, &Readout::default(), &position_m, 1.4, Look::default());
+        let (mut without, mut with) = (own(), own());
+        share(&mut without, &motion, &[]);
+        share(&mut with, &motion, &vec![-1e4; time_s.len()]);
+        for (a, b) in without.iter().zip(&with) {
+            let [relaxing, in_move] =
+                [b.common_sd_pa[RELAXING] - a.common_sd_pa[RELAXING], b.by_position_pa - a.by_position_pa];
+            let open = |more_pa: f64| (50.0..2000.0).contains(&more_pa);
+            match b.phase {
+                Phase::Rest => assert!(relaxing == 0.0 && in_move == 0.0),
+                Phase::Move => assert!(open(in_move) && relaxing == 0.0, "{in_move}"),
+                Phase::Hold => assert!(open(relaxing) && in_move == 0.0, "{relaxing}"),
+            }
+        }
+    }
+}
