@@ -41,8 +41,8 @@ impl Sensor {
         if set.is_empty() {
             return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
         }
-        let shown = |time| effects::reading(set, values, &[0.0; OWN_STATES], 0.0, time);
-        Self { lag: effects::lag(set, values), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
+        let shown = |time| values.reading(set, &[0.0; OWN_STATES], 0.0, time);
+        Self { lag: values.lag(set), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
     }
 
     /// What it shows of a reading, Pa, after so many seconds of the record.
@@ -63,7 +63,7 @@ pub struct Behind {
 impl Behind {
     /// That of a chamber, with the effects of a set.
     pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+        Self { sensor: Sensor::new(set, values), delay: values.delay(set) }
     }
 
     /// Whether the record shows what was before its time.

@@ -11,7 +11,7 @@ use crate::regression::{Guess, RecordPart, Records};
 use crate::scenario::{Options, Scenario, lets_gas_pass};
 use chamber::Chamber;
 use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet};
+use chamber::effects::EffectSet;
 use chamber::integrate::{Dense, IntegrationError, Integrator};
 use chamber::simulate::tolerance;
 
@@ -41,7 +41,7 @@ impl Run<'_> {
     fn shown(&self, stretch: &Stretch, local: f64, state: &[f64; STATES], t: f64) -> (f64, f64) {
         let at = balance::conditions(self.chamber, &stretch.boundary(local), state[MASS], state[ENERGY]);
         let own = core::array::from_fn(|i| state[OWN + i]);
-        let shown = effects::reading(self.set, &self.chamber.effects, &own, at.pressure, t + self.plan.delay);
+        let shown = self.chamber.effects.reading(self.set, &own, at.pressure, t + self.plan.delay);
         (shown, at.temperature)
     }
 
@@ -132,7 +132,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let gas_final = integrator.state[ENERGY] * (chamber.gas.heat_capacity_ratio - 1.0)
         / chamber.geometry.volume(plan.stretches[plan.stretches.len() - 1].boundary(0.0).position);
     let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
-    let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
+    let rest = chamber.effects.rest_temperature(ambient.ambient_temperature);
     let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
     let hold = plan.duration - plan.push_end;
     let rates = balance::rates(set, chamber, &ambient, &integrator.state);

@@ -137,7 +137,7 @@ const NEAR_EQUILIBRIUM_K: f64 = 1.0;
 /// Whether a scenario with these active effects starts where the law of its heat transfer is no power series.
 pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
     let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = scenario;
-    let excess = || initial_temperature_k - effects::rest_temperature(&chamber.effects, *ambient_temperature_k);
+    let excess = || initial_temperature_k - chamber.effects.rest_temperature(*ambient_temperature_k);
     !active.intersection(effects::SINGULAR).is_empty() && excess().abs() < NEAR_EQUILIBRIUM_K
 }
 
@@ -146,7 +146,7 @@ impl Plan {
     pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let (push_end, duration) = times(scenario)?;
-        let delay = effects::delay(active, &scenario.chamber.effects);
+        let delay = scenario.chamber.effects.delay(active);
         let mut stretches = others;
         stretches.clear();
         match &scenario.profile {

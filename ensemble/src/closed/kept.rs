@@ -70,7 +70,7 @@ impl<'a> Exchange<'a> {
     fn conditions(&self, volume: Lanes) -> Conditions<Lanes> {
         let contents = Contents::new(Lanes::from(1e-3), Lanes::from(1e2), volume);
         let mut at = self.balance.conditions(self.set, &self.boundary, &contents);
-        effects::conditions(self.set, &self.balance.chamber.effects, &[Lanes::ZERO; OWN_STATES], &mut at);
+        self.balance.chamber.effects.conditions(self.set, &[Lanes::ZERO; OWN_STATES], &mut at);
         at
     }
 
@@ -101,11 +101,9 @@ impl Heat for Exchange<'_> {
     #[inline(always)]
     fn at(&self, volume: Lanes) -> Lanes {
         let at = self.conditions(volume);
-        let Balances { chamber, area, .. } = self.balance;
-        let coefficient = chamber.heat_transfer.coefficient;
-        let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
-        let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
-        self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
+        let chamber = &self.balance.chamber;
+        let coefficient = chamber.effects.heat_transfer_factor(self.set, &at, chamber.heat_transfer.coefficient);
+        self.per_coefficient * coefficient * self.balance.area_of(self.set, volume)
     }
 }
 

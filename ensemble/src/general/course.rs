@@ -329,7 +329,7 @@ impl<'a> IntegratedRow<'a> {
         let boundary = last.boundary(last.length);
         let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
         let chamber = &self.scenario.chamber;
-        let ambient_temperature = effects::rest_temperature(&chamber.effects, ambient_temperature);
+        let ambient_temperature = chamber.effects.rest_temperature(ambient_temperature);
         End { position, volume: chamber.geometry.volume(position), ambient_temperature }
     }
 

@@ -245,7 +245,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
         let (at, rates, own) = if Self::TIGHT {
             self.balance.evaluate_within(&Tight, set, &boundary, &contents, &own)
         } else {
-            self.balance.evaluate_contents(set, &boundary, &contents, &own)
+            self.balance.evaluate_within(&(), set, &boundary, &contents, &own)
         };
         let mut out = [Lanes::ZERO; N];
         if !Self::TIGHT {

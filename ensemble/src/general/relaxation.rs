@@ -154,7 +154,7 @@ impl<'a> GasOverRelaxations<'a> {
         let Self { set, balance, boundary, contents, wall, warms, .. } = self;
         let temperature = self.temperature(relaxations);
         let capacity = contents.mass * balance.cv;
-        let energy = capacity * temperature * effects::internal_energy(*set, &balance.chamber.effects, temperature);
+        let energy = capacity * temperature * balance.chamber.effects.internal_energy(*set, temperature);
         let contents = Contents { energy, per_energy: energy.recip(), ..*contents };
         let (at, rates, _) = balance.evaluate_within(&Tight, *set, boundary, &contents, &NO_STATES);
         let warming = rates.energy * at.per_mass / at.cv;

@@ -1,4 +1,4 @@
-//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`effects::corner`]). An error
+//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`Effect::corner`](chamber::effects::Effect::corner)). An error
 //! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 //!
 //! Where a step will meet one is told by P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push
@@ -6,7 +6,7 @@
 
 use crate::integrator::step::extrapolated;
 use crate::lanes::Lanes;
-use chamber::effects::{self, EffectSet, EffectValues};
+use chamber::effects::{EffectSet, EffectValues};
 use chamber::real::{Real, reciprocals};
 
 /// Rates that have corners.
@@ -28,7 +28,7 @@ pub struct OfEffects<'a> {
 impl Corners for OfEffects<'_> {
     #[inline(always)]
     fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
-        effects::corner(self.set, self.values, self.ambient_pressure, from, to)
+        self.values.corner(self.set, self.ambient_pressure, from, to)
     }
 }
 

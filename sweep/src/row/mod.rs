@@ -58,7 +58,7 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
     scenario.hold = Hold::Duration(get(Base::Duration));
     let initial_temperature = get(Base::InitialTemperature);
     scenario.initial_temperature_k = if initial_temperature.is_nan() {
-        effects::rest_temperature(&scenario.chamber.effects, get(Base::AmbientTemperature))
+        scenario.chamber.effects.rest_temperature(get(Base::AmbientTemperature))
     } else {
         initial_temperature
     };
@@ -83,13 +83,13 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
 pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let chamber = &scenario.chamber;
     let ambient = scenario.ambient_temperature_k;
-    let rest = effects::rest_temperature(&chamber.effects, ambient);
+    let rest = chamber.effects.rest_temperature(ambient);
     let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
     let set = chamber.active().without(effects::SINGULAR);
-    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-    let area = effects::heat_transfer_area(set, &chamber.effects, final_geometry(scenario).1);
+    let coefficient = chamber.effects.heat_transfer_factor(set, &at, at.eichelberg);
+    let area = chamber.effects.heat_transfer_area(set, final_geometry(scenario).1);
     mass * chamber.gas.cv() / (coefficient * area)
 }
