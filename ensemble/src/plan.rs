@@ -1,7 +1,7 @@
 //! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers.
 
 use crate::integrator::clock::Clock;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use crate::outcome::Failure;
 use crate::scenario::{Hold, Scenario};
 use chamber::balance::Boundary;
@@ -76,18 +76,12 @@ impl Stretch<Lanes> {
     /// Puts of a stretch what the rates read into a lane: no times and no position. [`Stretch::profiled`] is for all lanes alike.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Stretch) {
-        self.velocity[lane] = from.velocity;
+        put!(self, lane, from; velocity, temperature_in, outflow, ambient_temperature, ambient_pressure);
         self.inflow[0][lane] = from.inflow[0];
-        self.temperature_in[lane] = from.temperature_in;
-        self.outflow[lane] = from.outflow;
-        self.ambient_temperature[lane] = from.ambient_temperature;
-        self.ambient_pressure[lane] = from.ambient_pressure;
         self.clock.load(lane, &from.clock);
         if self.profiled {
             self.inflow[1][lane] = from.inflow[1];
-            self.inflow_rate[lane] = from.inflow_rate;
-            self.outflow_rate[lane] = from.outflow_rate;
-            self.ambient_temperature_rate[lane] = from.ambient_temperature_rate;
+            put!(self, lane, from; inflow_rate, outflow_rate, ambient_temperature_rate);
         }
     }
 }

@@ -170,7 +170,7 @@ fn integrate<const N: usize, const BITS: u32>(
     history.clear();
     passed.clear();
     let all = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
-    passed.resize(all, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
+    passed.resize(all, (Steps::default(), View::NONE));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0..stretches {
         let mut active: Vec<usize> = (0..courses.len()).filter(|&c| courses[c].goes_on(index)).collect();

@@ -5,9 +5,8 @@
 //! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
 
 use crate::chambers::load_chamber;
-use crate::integrator::corner::{self, OfEffects};
 use crate::integrator::step::{LaneSystem, Moment, View};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use crate::plan::Stretch;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
@@ -209,12 +208,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
         self.per_gas_constant[lane] = from.per_cv * from.per_expansion;
         self.counted[lane] = counted;
         let to = &mut self.balance;
-        to.expansion[lane] = from.expansion;
-        to.per_expansion[lane] = from.per_expansion;
-        to.cv[lane] = from.cv;
-        to.per_cv[lane] = from.per_cv;
-        to.cp[lane] = from.cp;
-        to.heat_transfer_factor[lane] = from.heat_transfer_factor;
+        put!(to, lane, from; expansion, per_expansion, cv, per_cv, cp, heat_transfer_factor);
         for (to, from) in to.area.iter_mut().zip(from.area) {
             to[lane] = from;
         }
@@ -284,10 +278,8 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
-        let values = &self.balance.chamber.effects;
-        let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
-        corner::met(&corners, h, ends, widening)
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.balance.chamber.effects.corner(self.set(), self.stretch.ambient_pressure, from, to)
     }
 }
 

@@ -30,6 +30,14 @@ macro_rules! each_lane {
 }
 pub(crate) use each_lane;
 
+/// Puts numbers of one system, each by its name, into a lane.
+macro_rules! put {
+    ($to:expr, $lane:expr, $from:expr; $($($name:ident).+),+ $(,)?) => {
+        $($to.$($name).+[$lane] = $from.$($name).+;)+
+    };
+}
+pub(crate) use put;
+
 /// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
 #[inline(always)]
 pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {

@@ -52,39 +52,35 @@ fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
 }
 
 impl Way for Memory {
+    /// Those are left that could not be solved in this way.
     fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-        run(batch, self, rows, left, out);
-    }
-}
-
-/// Runs tests whose numbers are checked. Those are left that could not be solved in this way.
-fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-    let Batch { arch, scenarios, options } = batch;
-    let relative = relative(options);
-    let Memory { tests, problems, open, .. } = memory;
-    tests.clear();
-    problems.clear();
-    for &(row, _) in rows {
-        let s = &scenarios[row as usize];
-        let test = Test::new(s);
-        problems.push(test.push(s, relative));
-        tests.push(test);
-    }
-    advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
-    open.clear();
-    for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
-        if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
-            open.push(index);
-        } else {
-            left.push(*row);
+        let Batch { arch, scenarios, options } = batch;
+        let relative = relative(options);
+        let Self { tests, problems, open, .. } = self;
+        tests.clear();
+        problems.clear();
+        for &mut (row, _) in &mut *rows {
+            let s = &scenarios[row as usize];
+            let test = Test::new(s);
+            problems.push(test.push(s, relative));
+            tests.push(test);
         }
-    }
-    for level in 0..LEVELS {
-        for group in std::mem::take(&mut memory.open).chunks(WIDTH) {
-            hold(batch, memory, level, rows, group, out);
+        advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
+        open.clear();
+        for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(&*rows).enumerate() {
+            if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
+                open.push(index);
+            } else {
+                left.push(*row);
+            }
         }
+        for level in 0..LEVELS {
+            for group in std::mem::take(&mut self.open).chunks(WIDTH) {
+                hold(batch, self, level, rows, group, out);
+            }
+        }
+        left.extend(self.open.drain(..).map(|index| rows[index].0));
     }
-    left.extend(memory.open.drain(..).map(|index| rows[index].0));
 }
 
 /// Ends tests, as many as there are lanes, from their pushes on, with steps of a level; where these do not do they stay open.
