@@ -95,12 +95,10 @@ impl Case {
     fn fill(&mut self) {
         self.rows = sealed();
         for row in &mut self.rows {
+            row.chamber = row.chamber.with_typical(self.set);
             for &(effect, value) in &self.changes {
-                let parameters = row.chamber.effects.of_mut(effect);
-                for (to, parameter) in parameters.iter_mut().zip(effects::CARDS[effect].parameters) {
-                    *to = parameter.typical;
-                }
-                parameters[0] = value.unwrap_or(parameters[0]);
+                let first = &mut row.chamber.effects.of_mut(effect)[0];
+                *first = value.unwrap_or(*first);
             }
             row.mass_flow_in_kg_per_s = if self.flow { 1e-6 } else { 0.0 };
         }

@@ -291,7 +291,6 @@ mod tests {
     use crate::outcome::closure;
     use crate::plan::Plan;
     use crate::scenario::{Hold, Scenario};
-    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
     /// Balances whose energy lacks a share of what flows in.
     #[derive(Clone)]
@@ -322,8 +321,7 @@ mod tests {
 
     #[test]
     fn an_energy_that_enthalpy_is_missing_from_does_not_close_by_as_much() {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
+        let chamber = chamber::paper::section_31(chamber::AreaLaw::Total);
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
         let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();

@@ -80,9 +80,7 @@ fn the_energy_balance_closes_with_each_effect() {
     for (index, card) in effects::all() {
         let mut rows = sealed(16);
         for s in &mut rows {
-            for (to, parameter) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = parameter.typical;
-            }
+            s.chamber = s.chamber.with_typical(EffectSet::one(index));
             (s.mass_flow_in_kg_per_s, s.temperature_in_k) = (1e-6, 310.0);
         }
         let outcomes = integrated(EffectSet::one(index), &rows, 1e-10);
