@@ -84,6 +84,20 @@ mod hooks;
 
 pub use hooks::initial;
 
+/// The set of the effects whose cards meet a condition, at compile time.
+#[macro_export]
+macro_rules! effects_where {
+    ($card:ident => $condition:expr) => {{
+        let (mut bits, mut effect) = (0, 0);
+        while effect < $crate::effects::COUNT {
+            let $card = &$crate::effects::CARDS[effect];
+            bits |= ($condition as u32) << effect;
+            effect += 1;
+        }
+        $crate::effects::EffectSet::from_bits(bits)
+    }};
+}
+
 /// Every effect's declaration, in order.
 pub const CARDS: [Card; COUNT] = of_each!(E => E::CARD);
 
@@ -210,35 +224,18 @@ pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
 
 /// The effects that act behind the gas, on what the sensor shows.
 pub const fn of_sensor() -> EffectSet {
-    const { acting_on(ActsOn::Reading) }
+    const { effects_where!(card => matches!(card.acts_on, ActsOn::Reading)) }
 }
 
 /// The effects that act on the record of the stroke: of no meaning where the stroke is the true one.
 pub const fn of_recorded_stroke() -> EffectSet {
-    const { acting_on(ActsOn::RecordedStroke) }
+    const { effects_where!(card => matches!(card.acts_on, ActsOn::RecordedStroke)) }
 }
 
 /// Effects that act on the energy of the gas and let none of it pass: with these alone, and without flows, its mass stays
 /// what it is.
-pub const KEEP_THE_MASS: EffectSet = {
-    let mut is_in = [false; COUNT];
-    let mut i = 0;
-    while i < COUNT {
-        is_in[i] = matches!(CARDS[i].balance, Balance::Energy) && matches!(CARDS[i].acts_on, ActsOn::Gas);
-        i += 1;
-    }
-    EffectSet::of(is_in)
-};
-
-const fn acting_on(part: ActsOn) -> EffectSet {
-    let mut is_in = [false; COUNT];
-    let mut i = 0;
-    while i < COUNT {
-        is_in[i] = CARDS[i].acts_on as u8 == part as u8;
-        i += 1;
-    }
-    EffectSet::of(is_in)
-}
+pub const KEEP_THE_MASS: EffectSet =
+    effects_where!(card => matches!(card.balance, Balance::Energy) && matches!(card.acts_on, ActsOn::Gas));
 
 /// The effect of that name: its place in the list and its declaration.
 pub fn find(name: &str) -> Option<(usize, &'static Card)> {

@@ -13,20 +13,14 @@ use crate::lanes::Lanes;
 use crate::numerics::gauss::{Mirrored, NODES, RULE, node};
 use chamber::balance::{Balances, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
-use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::effects::{EffectSet, OWN_STATES};
+use chamber::effects_where;
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// Effects that keep the closed form.
-pub const EFFECTS: EffectSet = {
-    let (mut bits, mut effect) = (0, 0);
-    while effect < effects::COUNT {
-        bits |= (matches!(effects::CARDS[effect].closed_form, ClosedForm::Kept) as u32) << effect;
-        effect += 1;
-    }
-    EffectSet::from_bits(bits)
-};
+pub const EFFECTS: EffectSet = effects_where!(card => matches!(card.closed_form, ClosedForm::Kept));
 
 /// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
