@@ -10,12 +10,11 @@ use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::log::Attempted;
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::LaneSystem;
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::own::finish;
 use crate::own::test::{Holding, OwnTest, Within};
 use crate::own::{Way, turns};
-use crate::regression::samples::{self, Samples};
 use crate::regression::{Guess, Records};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -236,9 +235,8 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, simd: I) -> Guess {
         let Self { system, knots, begin, pressure_per_reading, records } = self;
-        records.clear();
+        records.begin_at(begin);
         let mut from = knots[0];
-        let mut first = each_lane!(i => samples::from(begin.0[i]));
         for to in &knots[1..] {
             // Results pass through memory: else the compiler computes them lane by lane.
             let to = black_box(to);
@@ -247,17 +245,12 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let state: [Lanes; N] =
                 black_box(core::array::from_fn(|i| to.time.where_positive(to.state[i], from.state[i])));
             let end = black_box(begin + time);
-            let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
-            if !records.takes(next - first) {
-                from = StepEnd { time, state };
-                continue;
+            if let Some(nodes) = records.nodes_up_to(end) {
+                let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
+                let since = black_box(begin + from.time);
+                records.push(&nodes, &nodes.values(&within, since, length, pressure_per_reading));
             }
-            let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
-            let nodes = black_box(Samples { first, count: next - first }.nodes());
-            let since = black_box(begin + from.time);
-            records.push(first, &nodes, &nodes.values(&within, since, length, pressure_per_reading));
-            first = next;
             from = StepEnd { time, state };
         }
         system.guess([black_box(&knots[0].state), black_box(&from.state)], black_box(begin))

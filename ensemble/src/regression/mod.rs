@@ -83,6 +83,8 @@ pub struct Records {
     nodes: Vec<[Node; POINTS]>,
     /// Number of the first sample, and the pressure that all others are less by.
     begin: [Lanes; 2],
+    /// Number of the first sample of the next part.
+    next: Lanes,
 }
 
 /// What the least squares of one record are.
@@ -120,17 +122,40 @@ impl Records {
         self.lengths = [0; WIDTH];
     }
 
-    /// Whether a part with so many samples of each record is to be appended: the first, or one that is not empty in all of them.
+    /// Begins records in place of those that there are, with the first samples at or after some times, s.
     #[inline(always)]
-    pub fn takes(&self, count: Lanes) -> bool {
-        self.nodes.is_empty() || count.any_positive()
+    pub fn begin_at(&mut self, times: Lanes) {
+        self.begin_with(each_lane!(i => samples::from(times.0[i])));
     }
 
-    /// Appends a part to each record: its first sample, the nodes of its sum and the pressures there.
+    /// The same with samples of these numbers.
     #[inline(always)]
-    pub fn push(&mut self, first: Lanes, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
+    pub fn begin_with(&mut self, first: Lanes) {
+        self.clear();
+        self.next = black_box(first);
+    }
+
+    /// The nodes of the next part of each record, up to and at a time, s. None of a part that is empty in all of them, but the first.
+    #[inline(always)]
+    pub fn nodes_up_to(&mut self, times: Lanes) -> Option<Nodes<Lanes>> {
+        // Results pass through memory: else the compiler computes them lane by lane.
+        let first = black_box(self.next);
+        let next = black_box(each_lane!(i => samples::after(times.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
         if self.nodes.is_empty() {
-            self.begin = [first, pressure[0]];
+            self.begin[0] = first;
+        } else if !count.any_positive() {
+            return None;
+        }
+        self.next = black_box(first.max(next));
+        Some(black_box(Samples { first, count }.nodes()))
+    }
+
+    /// Appends that part to each record, with the pressures at its nodes.
+    #[inline(always)]
+    pub fn push(&mut self, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
+        if self.nodes.is_empty() {
+            self.begin[1] = pressure[0];
         }
         let [origin, reference] = black_box(self.begin);
         let mut all = [Node::NONE; POINTS];
@@ -170,7 +195,10 @@ impl Records {
         for index in 0..self.parts.len() {
             let RecordPart { samples, pressure } = *black_box(&self.parts[index]);
             let nodes = black_box(samples.nodes());
-            self.push(samples.first, &nodes, &pressure);
+            if index == 0 {
+                self.begin[0] = samples.first;
+            }
+            self.push(&nodes, &pressure);
         }
         self.parts.clear();
     }
