@@ -1,7 +1,8 @@
 //! What a test that has been solved gives back, by the temperature of its gas.
 
+use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
-use crate::regression::{Regression, fit};
+use crate::regression::{Regression, Regressions, fit};
 use crate::scenario::Scenario;
 
 /// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.
@@ -53,6 +54,34 @@ impl Ending<'_> {
             duration_s: self.duration,
             exact: true,
             status: Ok(()),
+        }
+    }
+}
+
+/// How holds of closed chambers have ended, one a lane: see [`Ending`].
+pub struct HoldsEnded {
+    pub wall: Lanes,
+    pub pushed: Lanes,
+    pub end: Lanes,
+    pub pressure_per_temperature: Lanes,
+    pub settling: Lanes,
+    pub regressions: Option<Regressions>,
+}
+
+impl HoldsEnded {
+    /// How the test of a lane has ended, which lasts so long, s.
+    pub fn ending<'a>(&self, lane: usize, scenario: &'a Scenario, duration: f64) -> Ending<'a> {
+        Ending {
+            scenario,
+            duration,
+            wall: self.wall[lane],
+            pushed: self.pushed[lane],
+            end: self.end[lane],
+            pressure_per_temperature: self.pressure_per_temperature[lane],
+            settling: self.settling[lane],
+            flowing: 0.0,
+            relative_rate: None,
+            regression: self.regressions.as_ref().and_then(|found| found.lane(lane)),
         }
     }
 }

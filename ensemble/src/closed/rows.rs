@@ -7,7 +7,7 @@ use crate::chambers::Chambers;
 use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
-use crate::ending::Ending;
+use crate::ending::HoldsEnded;
 use crate::features::Timed;
 use crate::filter::Behind;
 use crate::lanes::{Lanes, WIDTH};
@@ -16,7 +16,7 @@ use crate::numerics::root::Curve;
 use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome};
 use crate::regression::relaxing::{self, ENDS, Relaxing};
-use crate::regression::{Guess, Records, Regression, decay};
+use crate::regression::{Guess, Records, Regressions, decay};
 use crate::scenario::Scenario;
 use chamber::balance::Balances;
 use chamber::effects::EffectSet;
@@ -194,21 +194,22 @@ struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// How a lane's test has ended for the gas.
-    fn ending<'s>(&self, lane: usize, scenario: &'s Scenario, regression: Option<Regression>) -> Ending<'s> {
+    /// How the tests have ended for the gas.
+    fn ended(&self, regressions: Option<Regressions>) -> HoldsEnded {
         let Self { tests, ends, .. } = self;
-        Ending {
-            scenario,
-            duration: tests.push[lane] + tests.hold[lane],
-            wall: tests.closed.ambient_temperature[lane],
-            pushed: ends.pushed[lane],
-            end: ends.end[lane],
-            pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
-            settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
-            flowing: 0.0,
-            relative_rate: None,
-            regression,
+        HoldsEnded {
+            wall: tests.closed.ambient_temperature,
+            pushed: ends.pushed,
+            end: ends.end,
+            pressure_per_temperature: tests.closed.mass_gas_constant / tests.to,
+            settling: ends.settling.where_positive(ends.settling, Lanes::ZERO),
+            regressions,
         }
+    }
+
+    /// Length of a lane's test, s.
+    fn duration(&self, lane: usize) -> f64 {
+        self.tests.push[lane] + self.tests.hold[lane]
     }
 
     /// The outcomes where the record shows the gas.
@@ -224,10 +225,8 @@ impl Solved<'_> {
             let guess = arch.dispatch(Record { tests, ends, records });
             records.fit(arch, guess)
         });
-        core::array::from_fn(|lane| {
-            let regression = found.as_ref().and_then(|found| found.lane(lane));
-            self.ending(lane, scenario(lane), regression).outcome()
-        })
+        let ended = self.ended(found);
+        core::array::from_fn(|lane| ended.ending(lane, scenario(lane), self.duration(lane)).outcome())
     }
 
     /// The outcomes behind sensors, with effects on the reading.
@@ -251,10 +250,11 @@ impl Solved<'_> {
             let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
             records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });
+        let ended = self.ended(None);
         core::array::from_fn(|lane| {
             let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
-            let gas = self.ending(lane, scenario, None).outcome();
+            let gas = ended.ending(lane, scenario, self.duration(lane)).outcome();
             answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
         })
     }

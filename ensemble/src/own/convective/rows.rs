@@ -1,10 +1,10 @@
 //! Tests with natural convection as they come: the push of [`super`], and a hold that is a series
 //! ([`hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
 
-use super::hold::{self, Holds, Record, Solve};
+use super::hold::{self, Ends, Holds, Record, Solve};
 use super::{ConvectiveTest, EFFECTS};
 use crate::Batch;
-use crate::ending::{AfterPush, Ending};
+use crate::ending::{AfterPush, HoldsEnded};
 use crate::features::Timed;
 use crate::general::relaxing_rows;
 use crate::instructions::Wide;
@@ -76,23 +76,15 @@ fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, o
             hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
         };
         let ends = arch.dispatch(Wide(Solve(&holds)));
-        let found = options.fit.then(|| {
+        let regressions = options.fit.then(|| {
             let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
             records.fit(arch, guess)
         });
+        let (Holds { wall, pushed, .. }, Ends { end, settling, .. }) = (holds, ends);
+        let pressure_per_temperature = per_temperature;
+        let ended = HoldsEnded { wall, pushed, end, pressure_per_temperature, settling, regressions };
         for (lane, (_, after)) in group.iter().enumerate() {
-            out[after.row as usize] = after.outcome(&Ending {
-                scenario: scenario(lane),
-                duration: after.duration,
-                wall: holds.wall[lane],
-                pushed: holds.pushed[lane],
-                end: ends.end[lane],
-                pressure_per_temperature: per_temperature[lane],
-                settling: ends.settling[lane],
-                flowing: 0.0,
-                relative_rate: None,
-                regression: found.as_ref().and_then(|found| found.lane(lane)),
-            });
+            out[after.row as usize] = after.outcome(&ended.ending(lane, scenario(lane), after.duration));
         }
     }
 }

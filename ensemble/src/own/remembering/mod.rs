@@ -10,7 +10,7 @@ use crate::conduction::lengths::{LEVELS, OF_NODES};
 use crate::conduction::response::Response;
 use crate::conduction::step::GasAndWall;
 use crate::conduction::{HoldSteps, relative, through};
-use crate::ending::Ending;
+use crate::ending::HoldsEnded;
 use crate::features::Timed;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
@@ -112,15 +112,16 @@ fn hold(
         kept: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
-    let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
-    let found = options.fit.then(|| {
+    let pressure_per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
+    let regressions = options.fit.then(|| {
         let rate = Lanes::from_fn(|lane| test(lane).gas.rate);
         let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / pushed[lane]);
         let push = Lanes::from_fn(|lane| scenario(lane).push_time_s);
-        let relaxation = [rate, excess];
+        let (relaxation, per_temperature) = ([rate, excess], pressure_per_temperature);
         let guess = arch.dispatch(Wide(dense::Record { steps, push, per_temperature, relaxation, records }));
         records.fit(arch, guess)
     });
+    let ended = HoldsEnded { wall, pushed, end, pressure_per_temperature, settling, regressions };
     for (lane, &index) in group.iter().enumerate() {
         let is_solved = reached[lane] > 0.0 && good[lane] > 0.0;
         if !is_solved {
@@ -129,18 +130,7 @@ fn hold(
         }
         let (row, scenario) = (rows[index], scenario(lane));
         let after = tests[index].gas.after_push(row, scenario, pushed[lane], problems[index].energy);
-        out[after.row as usize] = after.outcome(&Ending {
-            scenario,
-            duration: after.duration,
-            wall: wall[lane],
-            pushed: pushed[lane],
-            end: end[lane],
-            pressure_per_temperature: per_temperature[lane],
-            settling: settling[lane],
-            flowing: 0.0,
-            relative_rate: None,
-            regression: found.as_ref().and_then(|found| found.lane(lane)),
-        });
+        out[after.row as usize] = after.outcome(&ended.ending(lane, scenario, after.duration));
     }
 }
 
