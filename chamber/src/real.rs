@@ -66,6 +66,25 @@ pub trait Real:
     }
 }
 
+/// `+=` and `-=` of a number type, by its sums and differences.
+#[macro_export]
+macro_rules! assign_operators {
+    ($number:ty $(, $($generics:tt)+)?) => {
+        impl$(<$($generics)+>)? core::ops::AddAssign for $number {
+            #[inline(always)]
+            fn add_assign(&mut self, o: Self) {
+                *self = *self + o;
+            }
+        }
+        impl$(<$($generics)+>)? core::ops::SubAssign for $number {
+            #[inline(always)]
+            fn sub_assign(&mut self, o: Self) {
+                *self = *self - o;
+            }
+        }
+    };
+}
+
 /// The reciprocal of each number for the price of one division, which is what an evaluation of the balances is made of
 /// (Montgomery's trick, Math. Comp. 48 (1987) 243).
 #[inline(always)]

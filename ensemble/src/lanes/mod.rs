@@ -4,7 +4,7 @@
 pub(crate) mod math;
 mod real;
 
-use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
 /// How many numbers stand side by side in [`Lanes`].
 pub const WIDTH: usize = 16;
@@ -112,15 +112,4 @@ impl Neg for Lanes {
         each_lane!(i => -self.0[i])
     }
 }
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
-impl SubAssign for Lanes {
-    #[inline(always)]
-    fn sub_assign(&mut self, o: Self) {
-        *self = *self - o;
-    }
-}
+chamber::assign_operators!(Lanes);

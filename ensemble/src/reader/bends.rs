@@ -87,7 +87,7 @@ impl Traces<'_> {
         jobs.clear();
         for index in bent.iter().flat_map(|&row| cut[row].all.clone()) {
             if pieces[index].slopes[0] * pieces[index].slopes[1] < 0.0 {
-                jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                jobs.push(Job::new(index, [0.0; POINTS]));
             }
         }
         self.work(arch, |_| Question::Turn);
@@ -103,7 +103,7 @@ impl Traces<'_> {
                     for reading in self.rows[row].bends.between(begin.1, end.1) {
                         places.push(CutPlace { piece: index, time: f64::NAN, reading });
                         let numbers = [begin.0, end.0, end.1, (end.1 - reading).abs()];
-                        self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                        self.memory.jobs.push(Job::new(index, numbers));
                     }
                     places.push(CutPlace { piece: index, time: end.0, reading: end.1 });
                     begin = end;

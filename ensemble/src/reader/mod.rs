@@ -189,6 +189,12 @@ struct Job {
     answer: [f64; POINTS],
 }
 
+impl Job {
+    fn new(piece: usize, numbers: [f64; POINTS]) -> Self {
+        Self { piece, numbers, answer: [0.0; POINTS] }
+    }
+}
+
 /// The first stretch of a row that is looked into.
 pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
@@ -301,7 +307,7 @@ impl<'a> Traces<'a> {
             let first = jobs.len();
             for (index, piece) in shown.clone().zip(&pieces[shown.clone()]) {
                 if piece.slopes[0] * piece.slopes[1] < 0.0 {
-                    jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                    jobs.push(Job::new(index, [0.0; POINTS]));
                 }
             }
             *turns = first..jobs.len();
@@ -375,8 +381,7 @@ impl<'a> Traces<'a> {
             outside(value).then_some((index, begin, later))
         });
         if let Some((piece, from, later)) = entry {
-            let numbers = [from, later, pressure_final, band];
-            self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
+            self.memory.jobs.push(Job::new(piece, [from, later, pressure_final, band]));
         }
         let temperature_peak = f64::NEG_INFINITY;
         Some(RowAnswer { pressure_peak, peak_time, pressure_final, temperature_peak, ..RowAnswer::default() })

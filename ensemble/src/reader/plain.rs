@@ -5,7 +5,6 @@ use super::bends::Straight;
 use super::{Cut, Job, Knot, Memory, PRESSURE, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
 use crate::outcome::{ROUNDING, SETTLED};
 use crate::plan::Plan;
-use crate::regression::samples::POINTS;
 
 impl Trace<'_> {
     /// Whether it shows the gas as it is, from the end of the push to that of the test in one stretch.
@@ -100,8 +99,7 @@ impl Traces<'_> {
             outside(value(index)).then_some((index, knots[index].at, later))
         });
         if let Some((index, from, later)) = entry {
-            let numbers = [from, later, pressure_final, band];
-            jobs.push(Job { piece: pieces.len(), numbers, answer: [0.0; POINTS] });
+            jobs.push(Job::new(pieces.len(), [from, later, pressure_final, band]));
             pieces.push(TracePiece::plain(segment, knots, index));
         }
         let temperatures = [0, last].map(|index| knots[index].view.value[TEMPERATURE]);

@@ -399,7 +399,7 @@ fn least_squares<const FUSED: bool>(
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use proptest::prelude::*;
 
@@ -421,15 +421,19 @@ mod tests {
         mean(&|k| (pressures[k] - mean_p - slope * (e(k) - mean_e)).powi(2))
     }
 
-    /// τ of the least squares by golden section, s.
-    fn best(pressures: &[f64], near: f64) -> f64 {
+    /// Where a function between two places is least, by golden section.
+    pub fn least(of: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut a, mut b) = ((near / 2.0).ln(), (near * 2.0).ln());
         for _ in 0..60 {
             let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-            if residual(pressures, c.exp()) < residual(pressures, d.exp()) { b = d } else { a = c }
+            if of(c) < of(d) { b = d } else { a = c }
         }
-        (0.5 * (a + b)).exp()
+        0.5 * (a + b)
+    }
+
+    /// τ of the least squares, s.
+    fn best(pressures: &[f64], near: f64) -> f64 {
+        least(|log_tau| residual(pressures, log_tau.exp()), [0.5, 2.0].map(|off| (near * off).ln())).exp()
     }
 
     proptest! {
