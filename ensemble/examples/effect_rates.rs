@@ -9,7 +9,7 @@
 mod numbers;
 
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{CHUNK, Failure, Hold, Kernel, Options, Outcome, Scenario, Solver};
+use ensemble::{CHUNK, Failure, Kernel, Options, Outcome, Scenario, Solver};
 use numbers::Numbers;
 use std::fmt::Write;
 use std::path::Path;
@@ -45,7 +45,7 @@ fn sealed() -> Vec<Scenario> {
             let heat_transfer = HeatTransfer::at_paper_reference(r.between(10.0, 60.0));
             let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
             let positions = [r.between(0.1, 0.4), r.between(0.05, 0.1)];
-            Scenario::push(chamber, r.between(1e5, 7e5), positions, 0.04, Hold::Duration(5.04))
+            Scenario::push(chamber, r.between(1e5, 7e5), positions, 0.04, 5.04)
         })
         .collect()
 }

@@ -34,7 +34,6 @@ impl Ending<'_> {
     #[inline]
     pub fn outcome(&self) -> Outcome {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
-        let positions = [s.initial_position_m, s.final_position_m];
         let peak = s.peak([pushed, end]);
         let to_be_lost = self.relative_rate.map_or(end - self.wall, |rate| to_be_lost(end - self.wall, -end * rate));
         let (to_come, distance) = (to_be_lost.abs(), (peak - end).abs());
@@ -46,8 +45,7 @@ impl Ending<'_> {
             temperature_final_k: end,
             temperature_peak_k: peak,
             // A record that peaks at its end has no relaxation to describe.
-            fit: (self.regression.filter(|_| peak == pushed))
-                .and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            fit: self.regression.filter(|_| peak == pushed).and_then(|found| fit::steps(s, found)),
             settling_time_s,
             flows_on,
             energy_error: 0.0,

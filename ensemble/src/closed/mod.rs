@@ -29,7 +29,8 @@ impl ClosedRows {
     pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<Timed>> {
         let s = row.scenario;
         // A record that is late by more than the push or the hold shows other parts of the test.
-        let in_time = |b: Behind| plan::times(s).map_or(true, |(push, duration)| b.delay < push.min(duration - push));
+        let shortest = s.push_time_s.min(s.duration_s - s.push_time_s);
+        let in_time = |b: Behind| plan::check_duration(s).is_err() || b.delay < shortest;
         let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)

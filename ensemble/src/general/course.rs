@@ -193,7 +193,7 @@ fn integrate<const N: usize, const BITS: u32>(
         if General::<N, BITS>::REMEMBERS
             && let Some(memory) = &mut remembers
         {
-            let rests = |c: &usize| courses[*c].plan.stretches[index].velocity == 0.0;
+            let rests = |c: &usize| courses[*c].plan.stretches[index].start.velocity == 0.0;
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
             let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
             problems.clear();
@@ -226,13 +226,6 @@ fn integrate<const N: usize, const BITS: u32>(
         }
     }
     !Watch::<N>::is_full(history)
-}
-
-/// Boundary of the chamber at the end of a stretch, SI units.
-struct End {
-    position: f64,
-    volume: f64,
-    ambient_temperature: f64,
 }
 
 impl<'a> IntegratedRow<'a> {
@@ -271,7 +264,7 @@ impl<'a> IntegratedRow<'a> {
         let stretch = &self.plan.stretches[index];
         let longest = if index >= seen_from(self.plan, &self.sensor) {
             LONGEST * stretch.length
-        } else if stretch.velocity != 0.0 {
+        } else if stretch.start.velocity != 0.0 {
             LONGEST_OF_MOVE * stretch.length
         } else {
             f64::INFINITY
@@ -324,26 +317,17 @@ impl<'a> IntegratedRow<'a> {
         }
     }
 
-    fn end(&self) -> End {
-        let last = &self.plan.stretches[self.plan.stretches.len() - 1];
-        let boundary = last.boundary(last.length);
-        let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
-        let chamber = &self.scenario.chamber;
-        let ambient_temperature = chamber.effects.rest_temperature(ambient_temperature);
-        End { position, volume: chamber.geometry.volume(position), ambient_temperature }
+    /// Volume of the hold, m³, and the temperature of gas and wall at rest, K.
+    fn held(&self) -> [f64; 2] {
+        let Scenario { chamber, final_position_m, ambient_temperature_k, .. } = self.scenario;
+        [chamber.geometry.volume(*final_position_m), chamber.effects.rest_temperature(*ambient_temperature_k)]
     }
 
-    /// The chamber at its end once it has the temperature of its surroundings.
-    fn at_rest(&self) -> Closed {
-        let chamber = &self.scenario.chamber;
-        let End { volume, ambient_temperature: ambient, .. } = self.end();
-        let pressure = self.contents[MASS] * chamber.gas.gas_constant * ambient / volume;
-        Closed::filled(chamber, pressure, ambient, volume, ambient)
-    }
-
-    /// τ of a tight chamber in its place, s.
+    /// τ of a tight chamber in its place, s, once it has come to rest.
     fn time_constant(&self) -> f64 {
-        1.0 / self.at_rest().rate(self.end().volume)
+        let (chamber, [volume, rest]) = (&self.scenario.chamber, self.held());
+        let pressure = self.contents[MASS] * chamber.gas.gas_constant * rest / volume;
+        1.0 / Closed::filled(chamber, pressure, rest, volume, rest).rate(volume)
     }
 
     /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
@@ -368,17 +352,15 @@ impl<'a> IntegratedRow<'a> {
 
     /// The outcome from what the record has answered.
     fn outcome(&self, a: &RowAnswer, regression: Option<Regression>) -> Outcome {
-        let End { position, volume, ambient_temperature: ambient } = self.end();
+        let [volume, rest] = self.held();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
-        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, ambient).judge(a.settling);
-        let positions = [self.plan.stretches[0].position, position];
-        let start = self.scenario.initial_pressure_pa;
+        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, rest).judge(a.settling);
         Outcome {
             pressure_peak_pa: a.pressure_peak,
             pressure_final_pa: a.pressure_final,
             temperature_final_k: a.temperature_final,
             temperature_peak_k: a.temperature_peak,
-            fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
+            fit: regression.and_then(|found| fit::steps(self.scenario, found)),
             settling_time_s,
             flows_on,
             energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),

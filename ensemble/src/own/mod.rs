@@ -85,7 +85,6 @@ impl Own {
             convective::EFFECTS if !is_sealed || !convective::stays_on_a_side(s) => return None,
             convective::EFFECTS if !integrates => &mut self.convective.rows,
             convective::EFFECTS if convective::is_smooth(s) => &mut self.integrated.rows,
-            _ if s.profile.is_some() => return None,
             of_gas if flows::ORIFICES.contains(&of_gas) => &mut self.orifices.rows,
             flows::GAP => &mut self.gaps.rows,
             EffectSet::NONE if !is_sealed => &mut self.gaps.rows,

@@ -3,19 +3,14 @@
 
 use super::bends::Straight;
 use super::{Cut, Job, Knot, Memory, PRESSURE, RowAnswer, TEMPERATURE, Trace, TracePiece, Traces};
+use crate::filter::Sensor;
 use crate::outcome::{ROUNDING, SETTLED};
-use crate::plan::Plan;
 
 impl Trace<'_> {
-    /// Whether it shows the gas as it is, from the end of the push to that of the test in one stretch.
+    /// Whether it shows the gas as it is: so from the end of the push to that of the test in one stretch.
     pub(super) fn is_plain(&self) -> bool {
-        let Self { plan: Plan { stretches, window, hold, delay, .. }, sensor, bends, .. } = self;
-        let at_once = sensor.lag == 0.0 && sensor.offset == 0.0 && sensor.drift == 0.0 && *delay == 0.0;
-        at_once
-            && *window == [*hold, stretches.len()]
-            && *hold + 1 == stretches.len()
-            && bends.is_none()
-            && stretches[*hold].velocity == 0.0
+        let Sensor { lag, offset, drift } = self.sensor;
+        lag == 0.0 && offset == 0.0 && drift == 0.0 && self.plan.delay == 0.0 && self.bends.is_none()
     }
 
     /// Cuts out the pieces of a plain record, by its segment and knots, in which it turns round, and notes where the temperature

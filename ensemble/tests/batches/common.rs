@@ -8,8 +8,9 @@ use chamber::effects::{
     Leakage, NaturalConvection, PressureExponent, RecordDelay, SensorDrift, SensorLag, SensorOffset, SupplyLeakage,
     TemperatureDependentHeatCapacity, WallConduction, WallHeating, WarmWall,
 };
+use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, paper};
-use ensemble::{Failure, Hold, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
+use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
 
 /// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
 pub fn sealed(count: usize) -> Vec<Scenario> {
@@ -21,9 +22,19 @@ pub fn sealed(count: usize) -> Vec<Scenario> {
         let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
         let positions = [r.between(0.05, 0.4), r.between(0.05, 0.4)];
         let push_time = r.log_between(0.03, 2.0);
-        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::TimeConstants(r.between(6.0, 25.0)))
+        let mut s = Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, f64::NAN);
+        hold_for(&mut s, r.between(6.0, 25.0));
+        s
     };
     (0..count).map(one).collect()
+}
+
+/// Lets a test last until this many times τ_f = m cv/(λ(Pf, Tamb) Aq) after its push.
+pub fn hold_for(s: &mut Scenario, time_constants: f64) {
+    let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+    let (pressure, temperature) = (s.initial_pressure_pa, s.initial_temperature_k);
+    let closed = Closed::filled(&s.chamber, pressure, temperature, begin, s.ambient_temperature_k);
+    s.duration_s = s.push_time_s + time_constants / closed.rate(end);
 }
 
 /// The same, each changed by its number and more random numbers.
@@ -52,10 +63,10 @@ pub fn set_first<const N: usize>(s: &mut Scenario, effects: [(usize, bool, f64);
 /// The test of section 3.1 with an effect of these numbers, over that duration, s.
 pub fn section_31(effect: usize, numbers: &[f64], duration: f64) -> Scenario {
     let chamber = paper::section_31(AreaLaw::Total).with(effect, numbers);
-    Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(duration))
+    Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, duration)
 }
 
-/// Tests of every kind: leaks, flows, each effect, a profile; around the card's typical values.
+/// Tests of every kind: leaks, flows, each effect; around the card's typical values.
 pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
     changed(count, 11, |_, s, r| {
         for index in (0..effects::COUNT).filter(|index| only.is_none_or(|only| only == *index)) {
@@ -65,7 +76,7 @@ pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
             s.mass_flow_in_kg_per_s = r.between(0.0, 1e-5);
             s.temperature_in_k = r.between(280.0, 320.0);
         }
-        s.hold = Hold::Duration(s.push_time_s + r.between(0.5, 3.0));
+        s.duration_s = s.push_time_s + r.between(0.5, 3.0);
     })
 }
 
@@ -99,7 +110,7 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 200.0));
+        s.duration_s = s.push_time_s + r.log_between(0.02, 200.0);
     });
     ([natural, exponents, capacity, forced, warm].into_iter().collect(), rows)
 }
@@ -237,7 +248,7 @@ pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
         s.initial_temperature_k += r.between(-20.0, 20.0);
         s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
         s.push_time_s = r.log_between(0.01, 0.5);
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
+        s.duration_s = s.push_time_s + r.log_between(0.01, 200.0);
     });
     ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
 }
@@ -263,7 +274,7 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 19 == 0 {
             s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
+        s.duration_s = s.push_time_s + r.log_between(0.02, 100.0);
     });
     (WallHeating::SET, rows)
 }
@@ -276,7 +287,7 @@ pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 100.0) };
         values[1] = r.log_between(0.005, 50.0);
         start_anywhere(s, k, r);
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
+        s.duration_s = s.push_time_s + r.log_between(0.02, 30.0);
     });
     (DecayingTurbulence::SET, rows)
 }
@@ -296,7 +307,7 @@ pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let term = Curve { term: Term::HeatFlow, variable: Variable::Pressure, knots, values };
         s.chamber = s.chamber.with(Empirical::PLACE, &term.parameters());
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
+        s.duration_s = s.push_time_s + r.log_between(0.02, 30.0);
     });
     (Empirical::SET, rows)
 }
@@ -331,7 +342,7 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
+        s.duration_s = s.push_time_s + r.log_between(0.02, 100.0);
     });
     (Leakage::SET.union(SupplyLeakage::SET).union(LaminarLeakage::SET), rows)
 }

@@ -4,7 +4,7 @@ use crate::common::results;
 use crate::numbers::Numbers;
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Hold, Options, Outcome, Scenario, Solver};
+use ensemble::{Options, Outcome, Scenario, Solver};
 
 const AMBIENT_K: f64 = 293.0;
 
@@ -16,7 +16,7 @@ fn sealed(count: usize) -> Vec<Scenario> {
         let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
         let positions = [r.between(0.2, 0.4), r.between(0.05, 0.15)];
         let push_time = r.log_between(0.03, 1.0);
-        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::Duration(push_time + 3.0))
+        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, push_time + 3.0)
     };
     (0..count).map(one).collect()
 }

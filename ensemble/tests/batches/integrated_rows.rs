@@ -4,10 +4,9 @@ use crate::common::{
     assert_close, assert_same, changed, flowing, heated, reference, results, sealed, section_31, stirred, varied,
     walled, with_instructions,
 };
-use crate::numbers::Numbers;
 use chamber::EffectSet;
 use chamber::effects::{Empirical, Leakage, NaturalConvection, RecordDelay, SensorDrift, SensorLag, WallHeating};
-use ensemble::{Hold, InstructionSet, Options, Scenario, plain};
+use ensemble::{InstructionSet, Options, Scenario, plain};
 
 #[test]
 fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
@@ -52,7 +51,7 @@ fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
     let scenarios = changed(400, 11, |i, s, r| {
         s.chamber.effects.of_mut(Leakage::PLACE)[0] = r.log_between(1e-13, 1e-11);
         s.mass_flow_in_kg_per_s = r.log_between(1e-7, 1e-5);
-        s.hold = Hold::Duration(5.0);
+        s.duration_s = 5.0;
         if i % 2 == 0 {
             s.initial_pressure_pa = s.ambient_pressure_pa * r.between(1.0, 1.1);
         }
@@ -82,7 +81,7 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
         if i % 5 == 0 {
             std::mem::swap(&mut s.initial_position_m, &mut s.final_position_m);
         }
-        s.hold = Hold::Duration(s.push_time_s + 2.0);
+        s.duration_s = s.push_time_s + 2.0;
     }
     let set = [natural, late, lagging].into_iter().collect();
     let tight = Options { relative_tolerance: 1e-13, fit: false, ..Options::default() };
@@ -100,36 +99,13 @@ fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
         s.chamber = s.chamber.with_typical(set);
         let parameters = s.chamber.effects.of_mut(Empirical::PLACE).iter_mut();
         parameters.filter(|typical| typical.abs() < 0.1).for_each(|to| *to = r.between(-0.5, 0.5));
-        s.hold = Hold::Duration(3.0);
+        s.duration_s = 3.0;
     });
     let options = Options { relative_tolerance: 1e-9, fit: false, ..Options::default() };
     for (s, ours) in rows.iter().zip(results(set, &rows, &options)) {
         let expected = plain::run(set, s, &Options { relative_tolerance: 1e-13, ..options });
         assert_close(ours.pressure_peak_pa, expected.pressure_peak_pa, 2e-8, "peak");
         assert_close(ours.pressure_final_pa, expected.pressure_final_pa, 2e-8, "final");
-    }
-}
-
-#[test]
-fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
-    let rows = changed(24, 5, |_, s, r| {
-        let mut time = 0.0;
-        let knot = |time: f64, r: &mut Numbers| chamber::signals::Knot {
-            time,
-            position: r.between(0.05, 0.2),
-            mass_flow: r.between(-1e-5, 1e-5),
-            ambient_temperature: r.between(285.0, 300.0),
-        };
-        let mut knots = vec![knot(0.0, r)];
-        for _ in 0..6 {
-            time += r.between(0.05, 0.3);
-            knots.push(knot(time, r));
-        }
-        s.profile = Some(knots.into());
-        s.hold = Hold::Duration(time + 1.0);
-    });
-    for (k, (s, o)) in rows.iter().zip(results(EffectSet::NONE, &rows, &Options::default())).enumerate() {
-        assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
     }
 }
 

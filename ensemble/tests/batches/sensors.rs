@@ -13,7 +13,11 @@ fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
     let mut scenarios = sealed(8);
     scenarios.iter_mut().for_each(|s| s.chamber = s.chamber.with(SensorLag::PLACE, &[0.01]));
     let [quick, slow] = [1.0, 1e4].map(|slower| {
-        let slowed = scenarios.iter().map(|s| Scenario { push_time_s: slower * s.push_time_s, ..s.clone() });
+        let slow = |s: &Scenario| {
+            let push_time_s = slower * s.push_time_s;
+            Scenario { push_time_s, duration_s: s.duration_s - s.push_time_s + push_time_s, ..s.clone() }
+        };
+        let slowed = scenarios.iter().map(slow);
         results(SensorLag::SET, &slowed.collect::<Vec<_>>(), &Options { fit: false, ..Options::default() })
     });
     assert!(quick.iter().all(|o| o.status == Ok(()) && o.exact));

@@ -16,7 +16,7 @@ use crate::result::status::{Failure, Status};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
 use chamber::effects;
-use ensemble::{Hold, Scenario};
+use ensemble::Scenario;
 
 /// The push-and-hold test that a point of the study stands for.
 ///
@@ -30,7 +30,7 @@ pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
 
 /// A scenario that is none, to be set.
 pub fn no_test(study: &Study) -> Scenario {
-    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
+    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, f64::NAN)
 }
 
 /// As [`scenario`], in place of one of the same study, of which what does not vary stays. What is left there is of no use
@@ -55,7 +55,7 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
     scenario.initial_pressure_pa = get(Base::InitialPressure);
     [scenario.initial_position_m, scenario.final_position_m] = geometry::strokes(&scenario.chamber.geometry, point)?;
     scenario.push_time_s = get(Base::PushTime);
-    scenario.hold = Hold::Duration(get(Base::Duration));
+    scenario.duration_s = get(Base::Duration);
     let initial_temperature = get(Base::InitialTemperature);
     scenario.initial_temperature_k = if initial_temperature.is_nan() {
         scenario.chamber.effects.rest_temperature(get(Base::AmbientTemperature))
@@ -73,7 +73,7 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
         if !hold.is_finite() {
             return Err(Failure::NoTimeConstant);
         }
-        scenario.hold = Hold::Duration(scenario.push_time_s + hold);
+        scenario.duration_s = scenario.push_time_s + hold;
     }
     Ok(())
 }

@@ -71,11 +71,10 @@ impl RecordAnswer {
         gas: Outcome,
     ) -> Outcome {
         let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
-        let positions = [s.initial_position_m, s.final_position_m];
         Outcome {
             pressure_peak_pa: self.peak,
             pressure_final_pa: self.last,
-            fit: regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            fit: regression.and_then(|found| fit::steps(s, found)),
             settling_time_s,
             flows_on,
             ..gas
