@@ -9,8 +9,6 @@ use crate::scenario::Scenario;
 pub struct Ending<'a> {
     /// What was pushed and held, and how.
     pub scenario: &'a Scenario,
-    /// Length of the test, s.
-    pub duration: f64,
     /// Temperature that the wall has at last, K.
     pub wall: f64,
     /// Temperature at the end of the push, K: from there it goes one way.
@@ -49,7 +47,7 @@ impl Ending<'_> {
             settling_time_s,
             flows_on,
             energy_error: 0.0,
-            duration_s: self.duration,
+            duration_s: s.duration_s,
             exact: true,
             status: Ok(()),
         }
@@ -67,11 +65,10 @@ pub struct HoldsEnded {
 }
 
 impl HoldsEnded {
-    /// How the test of a lane has ended, which lasts so long, s.
-    pub fn ending<'a>(&self, lane: usize, scenario: &'a Scenario, duration: f64) -> Ending<'a> {
+    /// How the test of a lane has ended.
+    pub fn ending<'a>(&self, lane: usize, scenario: &'a Scenario) -> Ending<'a> {
         Ending {
             scenario,
-            duration,
             wall: self.wall[lane],
             pushed: self.pushed[lane],
             end: self.end[lane],
@@ -89,8 +86,6 @@ impl HoldsEnded {
 pub struct AfterPush {
     /// Number of the test.
     pub row: u32,
-    /// Length of the test, s.
-    pub duration: f64,
     /// About how many relaxations the hold takes.
     pub relaxations: f64,
     /// Mass, kg.

@@ -8,9 +8,6 @@ use crate::sets;
 use chamber::AreaLaw;
 use chamber::effects::{self, EffectSet};
 
-/// A row whose numbers are checked, and its duration, s.
-pub type Timed = (u32, f64);
-
 /// What decides how a row is solved.
 pub struct Features<'a> {
     pub scenario: &'a Scenario,

@@ -66,6 +66,12 @@ impl Scenario {
         self.final_position_m > self.initial_position_m
     }
 
+    /// Length of the hold, s.
+    #[inline]
+    pub(crate) fn hold_s(&self) -> f64 {
+        self.duration_s - self.push_time_s
+    }
+
     /// Whether no gas enters or leaves but by effects.
     #[inline]
     pub(crate) fn is_sealed(&self) -> bool {

@@ -50,7 +50,7 @@ impl Ways {
             return self.general.add(row, set, features);
         };
         plan::check(set, features.active, features.scenario)?;
-        rows.push((row, features.scenario.duration_s));
+        rows.push(row);
         Ok(())
     }
 }

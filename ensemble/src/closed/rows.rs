@@ -8,7 +8,6 @@ use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
 use crate::ending::HoldsEnded;
-use crate::features::Timed;
 use crate::filter::Behind;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
@@ -39,14 +38,13 @@ struct Buffers {
     readings: readings::Memory,
 }
 
-/// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
+/// Solves checked scenarios by their numbers. `set` are effects that keep the closed form; where there are any,
 /// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
 /// sensors lag or none, and all are delayed or none.
-pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[Timed], out: &mut [Outcome]) {
+pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[u32], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, buffers } = memory;
-    let mut all: Vec<ExactTest> =
-        rows.iter().map(|&(row, duration)| ExactTest::new(row, &scenarios[row as usize], duration)).collect();
+    let mut all: Vec<ExactTest> = rows.iter().map(|&row| ExactTest::new(row, &scenarios[row as usize])).collect();
     if set.is_empty() {
         for test in &mut all {
             let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
@@ -57,7 +55,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     }
     // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
     let kind = |test: &ExactTest| {
-        let relaxations = test.rate * (test.duration - test.push);
+        let relaxations = test.rate * test.hold;
         let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
         (test.is_bent, test.parts as u32, of_record)
     };
@@ -81,12 +79,12 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
             solved.readings(arch, buffers, shown, options.fit, scenario)
         };
         for (lane, &test) in order.iter().enumerate() {
-            let ExactTest { row, duration, .. } = all[test as usize];
+            let row = all[test as usize].row as usize;
             let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
             if pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite() {
-                out[row as usize] = Outcome { duration_s: duration, ..outcomes[lane] };
+                out[row] = outcomes[lane];
             } else {
-                out[row as usize] = Outcome::failed(Failure::StepTooSmall);
+                out[row] = Outcome::failed(Failure::StepTooSmall);
             }
         }
     }
@@ -207,11 +205,6 @@ impl Solved<'_> {
         }
     }
 
-    /// Length of a lane's test, s.
-    fn duration(&self, lane: usize) -> f64 {
-        self.tests.push[lane] + self.tests.hold[lane]
-    }
-
     /// The outcomes where the record shows the gas.
     fn outcomes<'s>(
         &self,
@@ -226,7 +219,7 @@ impl Solved<'_> {
             records.fit(arch, guess)
         });
         let ended = self.ended(found);
-        core::array::from_fn(|lane| ended.ending(lane, scenario(lane), self.duration(lane)).outcome())
+        core::array::from_fn(|lane| ended.ending(lane, scenario(lane)).outcome())
     }
 
     /// The outcomes behind sensors, with effects on the reading.
@@ -254,7 +247,7 @@ impl Solved<'_> {
         core::array::from_fn(|lane| {
             let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
-            let gas = ended.ending(lane, scenario, self.duration(lane)).outcome();
+            let gas = ended.ending(lane, scenario).outcome();
             answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
         })
     }

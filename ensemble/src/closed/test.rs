@@ -12,7 +12,6 @@ use core::hint::black_box;
 /// One test, reduced to the numbers its solution needs.
 pub struct ExactTest {
     pub row: u32,
-    pub duration: f64,
     /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
     pub closed: Closed,
     /// Whether the exchange during the push is not linear in the volume, by the effects.
@@ -24,16 +23,17 @@ pub struct ExactTest {
     pub from: f64,
     pub to: f64,
     pub push: f64,
+    pub hold: f64,
 }
 
 impl ExactTest {
     /// Without effects, and before it is known how fast it exchanges heat: [`ExactTest::exchange`].
     #[inline]
-    pub fn new(row: u32, s: &Scenario, duration: f64) -> Self {
+    pub fn new(row: u32, s: &Scenario) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let (start, push) = (s.initial_temperature_k, s.push_time_s);
+        let (start, push, hold) = (s.initial_temperature_k, s.push_time_s, s.hold_s());
         let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
+        Self { row, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push, hold }
     }
 
     /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
@@ -102,7 +102,7 @@ impl Tests {
             from: Lanes::from_fn(|lane| tests[lane].from),
             to: Lanes::from_fn(|lane| tests[lane].to),
             push: Lanes::from_fn(|lane| tests[lane].push),
-            hold: Lanes::from_fn(|lane| tests[lane].duration - tests[lane].push),
+            hold: Lanes::from_fn(|lane| tests[lane].hold),
         }
     }
 

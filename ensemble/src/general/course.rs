@@ -293,8 +293,7 @@ impl<'a> IntegratedRow<'a> {
     fn after_push(&self) -> AfterPush {
         AfterPush {
             row: self.row,
-            duration: self.plan.duration,
-            relaxations: (self.plan.duration - self.plan.push_end) / self.time_constant(),
+            relaxations: self.scenario.hold_s() / self.time_constant(),
             mass: self.contents[MASS],
             energy: [self.initial[ENERGY], self.contents[ENERGY]],
             received: self.energy,
@@ -332,8 +331,8 @@ impl<'a> IntegratedRow<'a> {
 
     /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
     fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
-        let Plan { duration, push_end, delay, .. } = *self.plan;
-        let hold = duration - push_end;
+        let &Plan { duration, delay, .. } = self.plan;
+        let hold = self.scenario.hold_s();
         let reading = self.sensor.shown(gas_pressure, duration);
         let to_be_lost =
             to_be_lost(gas_pressure * (1.0 - wall / a.temperature_final), -gas_pressure * a.pressure_rate * hold);

@@ -22,7 +22,7 @@ fn relative_rate(set: EffectSet, after: &AfterPush, ending: &Ending) -> Option<f
         let pressure = after.mass * chamber.gas.gas_constant * end / chamber.geometry.volume(s.final_position_m);
         let state = balance::state_at(chamber, &boundary, pressure, end);
         let rates = balance::rates(set, chamber, &boundary, &state);
-        (after.duration - s.push_time_s) * rates[ENERGY] / state[ENERGY]
+        s.hold_s() * rates[ENERGY] / state[ENERGY]
     })
 }
 
@@ -52,7 +52,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
             ambient_temperature: Lanes::from_fn(|lane| scenario(lane).ambient_temperature_k),
             ambient_pressure: Lanes::from_fn(|lane| scenario(lane).ambient_pressure_pa),
             push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
-            hold: Lanes::from_fn(|lane| row(lane).duration - scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| scenario(lane).hold_s()),
         };
         let relative = options.relative_tolerance;
         let ends = arch.dispatch(Wide(Solve { set, pushed: &pushed, relative, parts }));
@@ -70,7 +70,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
             regressions,
         };
         for (lane, after) in group.iter().enumerate() {
-            let mut ending = ended.ending(lane, scenario(lane), after.duration);
+            let mut ending = ended.ending(lane, scenario(lane));
             ending.relative_rate = relative_rate(set, after, &ending);
             out[after.row as usize] = after.outcome(&ending);
         }

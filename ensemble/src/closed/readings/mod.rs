@@ -91,7 +91,7 @@ impl RecordAnswer {
             gas.pressure_final_pa * (1.0 - cooled).abs()
         };
         let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
-        let going_on = (behind.sensor.drift * (gas.duration_s - s.push_time_s)).abs();
+        let going_on = (behind.sensor.drift * s.hold_s()).abs();
         Standing { distance, to_come, going_on, stands }
     }
 }

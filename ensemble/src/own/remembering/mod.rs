@@ -11,7 +11,6 @@ use crate::conduction::response::Response;
 use crate::conduction::step::GasAndWall;
 use crate::conduction::{HoldSteps, relative, through};
 use crate::ending::HoldsEnded;
-use crate::features::Timed;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::problem::Problem;
@@ -53,13 +52,13 @@ fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
 
 impl Way for Memory {
     /// Those are left that could not be solved in this way.
-    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         let Batch { arch, scenarios, options } = batch;
         let relative = relative(options);
         let Self { tests, problems, open, .. } = self;
         tests.clear();
         problems.clear();
-        for &mut (row, _) in &mut *rows {
+        for &row in &*rows {
             let s = &scenarios[row as usize];
             let test = Test::new(s);
             problems.push(test.push(s, relative));
@@ -67,7 +66,7 @@ impl Way for Memory {
         }
         advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
         open.clear();
-        for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(&*rows).enumerate() {
+        for (index, ((problem, test), row)) in problems.iter().zip(&*tests).zip(&*rows).enumerate() {
             if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
                 open.push(index);
             } else {
@@ -79,7 +78,7 @@ impl Way for Memory {
                 hold(batch, self, level, rows, group, out);
             }
         }
-        left.extend(self.open.drain(..).map(|index| rows[index].0));
+        left.extend(self.open.drain(..).map(|index| rows[index]));
     }
 }
 
@@ -88,15 +87,15 @@ fn hold(
     Batch { arch, scenarios, options }: Batch,
     memory: &mut Memory,
     level: usize,
-    rows: &[Timed],
+    rows: &[u32],
     group: &[usize],
     out: &mut [Outcome],
 ) {
     let Memory { tests, problems, open, last, steps, records, .. } = memory;
     let at = |lane: usize| group[lane.min(group.len() - 1)];
     let test = |lane: usize| &tests[at(lane)];
-    let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
-    let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
+    let scenario = |lane: usize| &scenarios[rows[at(lane)] as usize];
+    let parts = OF_NODES.parted_all(level, |lane| scenario(lane).hold_s());
     let length = Lanes::from_fn(|lane| parts[lane].1);
     last.reach(length, arch);
     let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
@@ -130,7 +129,7 @@ fn hold(
         }
         let (row, scenario) = (rows[index], scenario(lane));
         let after = tests[index].gas.after_push(row, scenario, pushed[lane], problems[index].energy);
-        out[after.row as usize] = after.outcome(&ended.ending(lane, scenario, after.duration));
+        out[after.row as usize] = after.outcome(&ended.ending(lane, scenario));
     }
 }
 
