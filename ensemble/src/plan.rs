@@ -42,7 +42,7 @@ impl Stretch {
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Plan {
     /// Effects that are not neutral.
     pub active: EffectSet,
@@ -75,15 +75,17 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
     !active.intersection(effects::SINGULAR).is_empty() && excess().abs() < NEAR_EQUILIBRIUM_K
 }
 
+/// Push and hold, each of them cut at most once.
+const MOST_STRETCHES: usize = 4;
+
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches, in the memory of others.
-    pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
+    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
-        let mut stretches = others;
-        stretches.clear();
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
+        let mut stretches = Vec::with_capacity(MOST_STRETCHES);
         stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
         stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
@@ -114,72 +116,62 @@ impl Plan {
     }
 }
 
+/// Numbers of a scenario that must be positive.
+#[inline(always)]
+fn positive_numbers(s: &Scenario) -> [(&'static str, f64); 11] {
+    let c = &s.chamber;
+    [
+        ("the bore", c.geometry.bore),
+        ("the piston area", c.geometry.piston_area),
+        ("the gas constant", c.gas.gas_constant),
+        ("the heat capacity ratio less one", c.gas.heat_capacity_ratio - 1.0),
+        ("the reference pressure", c.heat_transfer.reference_pressure),
+        ("the reference temperature", c.heat_transfer.reference_temperature),
+        ("the initial pressure", s.initial_pressure_pa),
+        ("the initial temperature", s.initial_temperature_k),
+        ("the ambient temperature", s.ambient_temperature_k),
+        ("the ambient pressure", s.ambient_pressure_pa),
+        ("the temperature of the inflow", s.temperature_in_k),
+    ]
+}
+
+/// Others that must be finite, and whether they are.
+#[inline(always)]
+fn finite_numbers(active: EffectSet, s: &Scenario) -> [(&'static str, bool); 7] {
+    let c = &s.chamber;
+    // Bounds that are numbers: what `is_finite` and infinity come to here is many times as long.
+    let finite = |value: &f64| value.abs() <= f64::MAX;
+    let at_least_zero = |value: f64| (0.0..=f64::MAX).contains(&value);
+    [
+        ("the dead volume", finite(&c.geometry.dead_volume)),
+        ("the heat transfer coefficient", at_least_zero(c.heat_transfer.coefficient)),
+        ("the mass flow in (zero or more)", at_least_zero(s.mass_flow_in_kg_per_s)),
+        ("the mass flow out (zero or more)", at_least_zero(s.mass_flow_out_kg_per_s)),
+        // Those of effects that are not active are neutral.
+        ("an effect's parameter", active.iter().all(|effect| c.effects.of(effect).iter().all(finite))),
+        ("the initial position", finite(&s.initial_position_m)),
+        ("the final position", finite(&s.final_position_m)),
+    ]
+}
+
 /// Whether a scenario's numbers make sense, and its active effects are in `set`.
 pub fn check(set: EffectSet, active: EffectSet, s: &Scenario) -> Result<(), Failure> {
-    const POSITIVE: [&str; 11] = [
-        "the bore",
-        "the piston area",
-        "the gas constant",
-        "the heat capacity ratio less one",
-        "the reference pressure",
-        "the reference temperature",
-        "the initial pressure",
-        "the initial temperature",
-        "the ambient temperature",
-        "the ambient pressure",
-        "the temperature of the inflow",
-    ];
-    const FINITE: [&str; 7] = [
-        "the dead volume",
-        "the heat transfer coefficient",
-        "the mass flow in (zero or more)",
-        "the mass flow out (zero or more)",
-        "an effect's parameter",
-        "the initial position",
-        "the final position",
-    ];
-    let c = &s.chamber;
-    let values = [
-        c.geometry.bore,
-        c.geometry.piston_area,
-        c.gas.gas_constant,
-        c.gas.heat_capacity_ratio - 1.0,
-        c.heat_transfer.reference_pressure,
-        c.heat_transfer.reference_temperature,
-        s.initial_pressure_pa,
-        s.initial_temperature_k,
-        s.ambient_temperature_k,
-        s.ambient_pressure_pa,
-        s.temperature_in_k,
-    ];
-    // Bounds that are numbers: what `is_finite` and infinity come to here is many times as long.
-    let positive = |value: &f64| *value > 0.0 && *value <= f64::MAX;
-    let finite = |value: &f64| value.abs() <= f64::MAX;
+    let positive = |value: f64| value > 0.0 && value <= f64::MAX;
     // All at once, and one by one only where one is wrong.
-    if !values.iter().fold(true, |all, value| all & positive(value)) {
-        let first = values.iter().position(|value| !positive(value)).unwrap_or_default();
-        return Err(Failure::NotPositive(POSITIVE[first]));
+    if !positive_numbers(s).iter().fold(true, |all, (_, value)| all & positive(*value)) {
+        let first = positive_numbers(s).into_iter().find(|(_, value)| !positive(*value));
+        return Err(Failure::NotPositive(first.unwrap_or_default().0));
     }
-    let at_least_zero = |value: f64| (0.0..=f64::MAX).contains(&value);
-    let fine = [
-        finite(&c.geometry.dead_volume),
-        at_least_zero(c.heat_transfer.coefficient),
-        at_least_zero(s.mass_flow_in_kg_per_s),
-        at_least_zero(s.mass_flow_out_kg_per_s),
-        // Those of effects that are not active are neutral.
-        active.iter().all(|effect| c.effects.of(effect).iter().all(finite)),
-        finite(&s.initial_position_m),
-        finite(&s.final_position_m),
-    ];
-    if let Some(first) = fine.iter().position(|fine| !fine) {
-        return Err(Failure::NotFinite(FINITE[first]));
+    if !finite_numbers(active, s).iter().fold(true, |all, (_, fine)| all & fine) {
+        let first = finite_numbers(active, s).into_iter().find(|(_, fine)| !fine);
+        return Err(Failure::NotFinite(first.unwrap_or_default().0));
     }
     if !set.contains(active) {
         return Err(Failure::EffectNotInSet);
     }
     let leaves_gas = |position: f64| {
-        let volume = c.geometry.volume(position);
-        volume > 0.0 && c.geometry.heat_transfer_area(volume) >= 0.0
+        let volume = s.chamber.geometry.volume(position);
+        volume > 0.0 && s.chamber.geometry.heat_transfer_area(volume) >= 0.0
     };
     if ![s.initial_position_m, s.final_position_m].into_iter().all(leaves_gas) {
         return Err(Failure::NoVolume);
