@@ -85,6 +85,20 @@ macro_rules! assign_operators {
     };
 }
 
+/// A struct of numbers in another number type; what stands behind the semicolon is no number.
+macro_rules! lift {
+    ($name:ident: $($number:ident),+ $(; $same:ident)?) => {
+        impl<R: $crate::real::Real> $name<R> {
+            /// The same in another number type.
+            #[inline(always)]
+            pub fn lift<S: $crate::real::Real + From<R>>(self) -> $name<S> {
+                $name { $($number: self.$number.into(),)+ $($same: self.$same,)? }
+            }
+        }
+    };
+}
+pub(crate) use lift;
+
 /// The reciprocal of each number for the price of one division, which is what an evaluation of the balances is made of
 /// (Montgomery's trick, Math. Comp. 48 (1987) 243).
 #[inline(always)]

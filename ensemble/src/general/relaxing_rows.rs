@@ -62,8 +62,8 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
         });
         let gas_constant = Lanes::from_fn(|lane| scenario(lane).chamber.gas.gas_constant);
         let ended = HoldsEnded {
-            wall: ends.wall(),
-            pushed: ends.pushed(),
+            wall: ends.gas.wall,
+            pushed: ends.gas.pushed,
             end: ends.end,
             pressure_per_temperature: pushed.mass * gas_constant / volume,
             settling: ends.settling,

@@ -10,10 +10,10 @@ pub mod relaxing;
 pub mod samples;
 mod time_constant;
 
+use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH, each_lane, multiply_add};
 use crate::regression::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
 use chamber::real::Real;
-use core::f64::consts::{LN_2, LOG2_E};
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -222,24 +222,6 @@ impl WithSimd for Fitting<'_> {
             least_squares::<true>(nodes, *begin, &self.guess)
         }
     }
-}
-
-/// e^(−x) for x ≥ 0, within 1e-11: as [`exp`](crate::lanes::math::exp), with fewer terms.
-#[inline(always)]
-pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
-    const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
-    const TERMS: [f64; 9] =
-        [1.0 / 40_320.0, 1.0 / 5_040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 1.0 / 2.0, 1.0, 1.0];
-    let x = each_lane!(i => if x.0[i] < 700.0 { x.0[i] } else { 700.0 });
-    let shifted = multiply_add::<FUSED>(x, Lanes::from(-LOG2_E), Lanes::from(ROUND));
-    let k = shifted - ROUND;
-    let r = multiply_add::<FUSED>(k, Lanes::from(-LN_2), -x);
-    let mut p = Lanes::from(1.0 / 362_880.0);
-    for term in TERMS {
-        p = multiply_add::<FUSED>(p, r, Lanes::from(term));
-    }
-    let power = each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52));
-    p * power
 }
 
 /// Sums over a record's samples, with e = e^(−t/τ) and its derivatives by ln τ in parts: g = (t/τ) e, h = (t/τ) g.
@@ -504,14 +486,6 @@ pub mod tests {
     #[test]
     fn a_search_that_would_go_to_and_fro_for_ever_comes_to_its_end() {
         assert_found(0.08236465180989963, 1.8701326716749593, 25);
-    }
-
-    #[test]
-    fn the_quick_exponential_is_good_to_eleven_digits() {
-        for k in 0..70_000 {
-            let x = f64::from(k) * 0.009_7;
-            assert!((decay::<false>(Lanes::from(x))[3] / (-x).exp() - 1.0).abs() < 1e-11, "{x}");
-        }
     }
 
     #[test]
