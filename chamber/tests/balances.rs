@@ -5,7 +5,7 @@
 mod any;
 
 use any::{any_boundary, any_chamber};
-use chamber::balance::{self, Balances, Boundary, ENERGY, MASS, OWN, STATES, Tight};
+use chamber::balance::{self, Balances, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::empirical::{Curve, Term, Variable};
 use chamber::effects::{
     self, DeadVolumeSurface, Empirical, GasZones, LaminarLeakage, Leakage, SupplyLeakage,
@@ -106,16 +106,23 @@ proptest! {
     }
 }
 
-/// Integrates for one second with the boundary held, but for the position that moves with its velocity.
-fn after_a_second(chamber: &Chamber, boundary: &Boundary, initial: [f64; STATES]) -> [f64; STATES] {
-    let tolerance = chamber::simulate::tolerance(1e-11, &initial);
-    let mut run = Integrator::new(0.0, initial, tolerance);
-    let system = |t: f64, y: &[f64; STATES]| {
-        let at = Boundary { position: boundary.position + boundary.velocity * t, ..*boundary };
-        balance::rates(chamber.active(), chamber, &at, y)
-    };
+/// States of a chamber a second apart, over which the boundary is held but for the position that moves with its velocity.
+struct Second {
+    initial: [f64; STATES],
+    end: [f64; STATES],
+    /// The gas then.
+    at: Conditions<f64>,
+}
+
+/// From that pressure, Pa, and temperature, K, on.
+fn a_second(chamber: &Chamber, boundary: &Boundary, pressure: f64, temperature: f64) -> Second {
+    let initial = balance::state_at(chamber, boundary, pressure, temperature);
+    let mut run = Integrator::new(0.0, initial, chamber::simulate::tolerance(1e-11, &initial));
+    let moved = |t: f64| Boundary { position: boundary.position + boundary.velocity * t, ..*boundary };
+    let system = |t: f64, y: &[f64; STATES]| balance::rates(chamber.active(), chamber, &moved(t), y);
     run.advance(&system, 1.0, |_| ()).unwrap();
-    run.state
+    let end = run.state;
+    Second { initial, end, at: balance::conditions(chamber, &moved(1.0), end[MASS], end[ENERGY]) }
 }
 
 fn section_31() -> (Chamber, Boundary) {
@@ -126,15 +133,13 @@ fn section_31() -> (Chamber, Boundary) {
 fn the_paper_s_form_and_the_conserved_form_stay_together_over_a_stroke_with_flows() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { mass_flow_in: 3e-5, temperature_in: 300.0, mass_flow_out: 1e-5, ..boundary };
-    let state = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 293.0));
+    let Second { at, .. } = a_second(&chamber, &boundary, 2e5, 293.0);
     let mut paper = Integrator::new(0.0, [2e5, 293.0], Tolerance { relative: 1e-11, absolute: [1e-9; 2] });
     let system = |t: f64, y: &[f64; 2]| {
         let at = Boundary { position: boundary.position + boundary.velocity * t, ..boundary };
         balance::pressure_temperature_rates(&chamber, &at, y[0], y[1])
     };
     paper.advance(&system, 1.0, |_| ()).unwrap();
-    let end = Boundary { position: boundary.position + boundary.velocity, ..boundary };
-    let at = balance::conditions(&chamber, &end, state[MASS], state[ENERGY]);
     assert!((at.pressure / paper.state[0] - 1.0).abs() < 1e-9, "{} {}", at.pressure, paper.state[0]);
     assert!((at.temperature / paper.state[1] - 1.0).abs() < 1e-9, "{} {}", at.temperature, paper.state[1]);
 }
@@ -143,8 +148,7 @@ fn the_paper_s_form_and_the_conserved_form_stay_together_over_a_stroke_with_flow
 fn mass_with_flows_closes_to_rounding() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { mass_flow_in: 3e-5, mass_flow_out: 1e-5, ..boundary };
-    let initial = balance::state_at(&chamber, &boundary, 2e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
+    let Second { initial, end, .. } = a_second(&chamber, &boundary, 2e5, 293.0);
     assert!((end[MASS] - (initial[MASS] + 2e-5)).abs() < 1e-15 * 100.0 * initial[MASS]);
 }
 
@@ -154,8 +158,7 @@ fn a_wall_of_finite_capacity_keeps_the_heat_the_gas_gave() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
     let chamber = chamber.with(WallHeating::PLACE, &[0.05, 0.0]);
-    let initial = balance::state_at(&chamber, &boundary, 4e5, 380.0);
-    let end = after_a_second(&chamber, &boundary, initial);
+    let Second { initial, end, .. } = a_second(&chamber, &boundary, 4e5, 380.0);
     let wall = OWN + effects::STATE_OFFSETS[WallHeating::PLACE];
     let gas_gave = initial[ENERGY] - end[ENERGY];
     let wall_took = 0.05 * (end[wall] - initial[wall]);
@@ -168,9 +171,7 @@ fn an_isolated_core_is_compressed_without_gain_of_entropy() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let chamber = chamber.with(GasZones::PLACE, &[0.3, 0.0]);
-    let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 1e5, 293.0));
-    let at_end = Boundary { position: 0.05, ..boundary };
-    let at = balance::conditions(&chamber, &at_end, end[MASS], end[ENERGY]);
+    let Second { end, at, .. } = a_second(&chamber, &boundary, 1e5, 293.0);
     let core = end[OWN + effects::STATE_OFFSETS[GasZones::PLACE]];
     assert!((core / (293.0 * (at.pressure / 1e5).powf(0.4 / 1.4)) - 1.0).abs() < 1e-9);
     assert!(core > at.temperature + 20.0);
@@ -182,9 +183,7 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let tube = 3e-6;
     let chamber = chamber.with(TubeVolume::PLACE, &[tube]);
-    let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
-    let at = balance::conditions(&chamber, &Boundary { position: 0.05, ..boundary }, end[MASS], end[ENERGY]);
+    let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let stored = tube / (287.0 * 293.0) * (at.pressure - 1e5);
     assert!(((initial[MASS] - end[MASS]) / stored - 1.0).abs() < 1e-8);
 }
@@ -195,8 +194,7 @@ fn a_leak_fills_an_evacuated_chamber_up_to_ambient_pressure_and_no_further() {
     let boundary = Boundary { velocity: 0.0, ..boundary };
     let chamber = chamber.with(Leakage::PLACE, &[3e-9]);
     for start in [0.3e5, 3e5] {
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
-        let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+        let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 1.013e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
     }
 }
@@ -246,8 +244,7 @@ fn gas_in_a_warm_wall_begins_and_stays_at_rest_at_the_wall_s_temperature() {
     let at_rest =
         balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, 2e5, rest));
     assert!(at_rest[MASS] == 0.0 && at_rest[ENERGY].abs() < 1e-12, "{at_rest:?}");
-    let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 293.0));
-    assert!(balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]).temperature > 300.0);
+    assert!(a_second(&chamber, &boundary, 2e5, 293.0).at.temperature > 300.0);
 }
 
 #[test]
@@ -257,8 +254,7 @@ fn a_gas_of_varying_heat_capacity_keeps_its_entropy_in_an_adiabatic_stroke() {
     let boundary = Boundary { position: 0.1, velocity: -0.07, ..boundary };
     for [slope, c] in [[1.4e-3, 0.0], [1.2e-4, 0.0], [-4e-4, 0.0], [6e-5, 5e-7], [1.4e-3, -1.4e-6], [0.0, 3e-6]] {
         let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 310.0));
-        let at = balance::conditions(&chamber, &Boundary { position: 0.03, ..boundary }, end[MASS], end[ENERGY]);
+        let Second { at, .. } = a_second(&chamber, &boundary, 2e5, 310.0);
         let volumes = chamber.geometry.volume(0.03) / chamber.geometry.volume(0.1);
         let [logarithm, linear, square] = [1.0 - 293.0 * slope + 293.0 * 293.0 * c, slope - 2.0 * 293.0 * c, 0.5 * c];
         let t = at.temperature;
@@ -275,11 +271,9 @@ fn gas_that_enters_brings_the_enthalpy_of_its_own_temperature() {
     let boundary = Boundary { velocity: 0.0, mass_flow_in: 3e-5, temperature_in: 390.0, ..boundary };
     let (slope, c) = (1.4e-3, -1.4e-6);
     let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
-    let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
+    let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let square = |t: f64| t * t * t / 3.0 - 293.0 * t * t + 293.0 * 293.0 * t;
     let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t) + c * square(t));
-    let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
     let [gained, brought] = [
         end[MASS] * u(at.temperature) - initial[MASS] * u(293.0),
         (end[MASS] - initial[MASS]) * (u(390.0) + 287.0 * 390.0),
@@ -328,8 +322,7 @@ fn a_valve_that_leaks_fills_the_chamber_up_to_its_supply_and_no_further() {
     let boundary = Boundary { velocity: 0.0, ..boundary };
     let chamber = chamber.with(SupplyLeakage::PLACE, &[3e-9, 4e5]);
     for start in [1e5, 6e5] {
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
-        let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+        let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 4e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
     }
 }
