@@ -70,7 +70,6 @@ impl Traces<'_> {
         answers: &[Option<RowAnswer>],
         guess: impl Fn(usize) -> f64,
     ) -> Vec<Option<Regression>> {
-        self.cut_plain();
         let firsts = self.first_samples(arch, answers);
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.
