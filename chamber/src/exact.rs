@@ -87,9 +87,7 @@ impl<R: Real> Closed<R> {
         }
         (inverse + dwell * integral) / self.growth(root, step, dwell, 1.0)
     }
-}
 
-impl<R: Real> Closed<R> {
     /// How many of the shortest time scales a ramp lasts: from 1/τ_f at both ends, 1/s, and the ratio of the volumes.
     #[inline(always)]
     pub fn time_scales(rates: [R; 2], ratio: R, duration: R) -> R {

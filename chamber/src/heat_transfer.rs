@@ -27,16 +27,11 @@ impl HeatTransfer<f64> {
 }
 
 impl<R: Real> HeatTransfer<R> {
-    /// λ/√(P T), W/(m² K^1.5 Pa^0.5): the law's constant factor.
-    #[inline(always)]
-    pub fn factor(&self) -> R {
-        self.coefficient / (self.reference_pressure * self.reference_temperature).sqrt()
-    }
-
     /// λ at pressure P, Pa, and gas temperature T, K. Equation (5).
     #[inline(always)]
     pub fn coefficient_at(&self, pressure: R, temperature: R) -> R {
-        self.factor() * (pressure * temperature).sqrt()
+        self.coefficient / (self.reference_pressure * self.reference_temperature).sqrt()
+            * (pressure * temperature).sqrt()
     }
 }
 
