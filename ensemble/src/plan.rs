@@ -76,7 +76,7 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
 }
 
 /// Push and hold, each of them cut at most once.
-const MOST_STRETCHES: usize = 4;
+pub const MOST_STRETCHES: usize = 4;
 
 impl Plan {
     /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
