@@ -42,10 +42,10 @@ impl History {
     pub fn read(&self, steps: Steps, to: &mut Vec<Knot>) {
         let lane = steps.lane as usize;
         for step in &self.steps[steps.from as usize..steps.to as usize] {
-            let [at, taken, pressure, temperature, rise, warming] = step.map(|all| all[lane]);
-            if taken > 0.0 {
-                let view = View { value: [pressure, temperature], slope: [rise, warming] };
-                to.push(Knot { at, view, kink: taken > 1.0 });
+            let [at, taken, value @ .., rise, warming] = step;
+            if taken[lane] > 0.0 {
+                let view = View { value: [value[0][lane], value[1][lane]], slope: [rise[lane], warming[lane]] };
+                to.push(Knot { at: at[lane], view, kink: taken[lane] > 1.0 });
             }
         }
     }
