@@ -136,6 +136,16 @@ fn nearer<R: Real>(value: R, from: R, to: R) -> R {
     ((value - from) * (to - value)).where_positive(value, to)
 }
 
+/// The first of these after `from` and before `to`; the latter where there is none.
+#[inline(always)]
+fn nearest<R: Real>(places: &[R], from: R, to: R) -> R {
+    let mut first = to;
+    for place in places {
+        first = nearer(*place, from, first);
+    }
+    first
+}
+
 /// Where each effect's parameters begin in [`EffectValues`]; the last entry is their number.
 pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);
 /// Where each effect's own states begin; the last entry is their number.

@@ -85,10 +85,17 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone.
-pub trait Heat {
+/// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone. What differs is a trait's, not closures:
+/// these would be compiled for any machine.
+pub trait Heat: Sized {
     /// c f A at a volume, m³.
     fn at(&self, volume: Lanes) -> Lanes;
+
+    /// 1/T at the end of one of the equal parts of a ramp, from that at its start.
+    #[inline(always)]
+    fn end(&self, part: &RampPart, inverse: Lanes) -> Lanes {
+        part.end(self, inverse)
+    }
 }
 
 impl Heat for Exchange<'_> {
@@ -105,6 +112,11 @@ impl Heat for Closed<Lanes> {
     #[inline(always)]
     fn at(&self, volume: Lanes) -> Lanes {
         self.exchange[0] * volume + self.exchange[1]
+    }
+
+    #[inline(always)]
+    fn end(&self, part: &RampPart, inverse: Lanes) -> Lanes {
+        self.ramp_part(inverse, part.root, part.step, part.dwell)
     }
 }
 
@@ -141,7 +153,7 @@ impl RampPart {
 
     /// 1/T at its end, from that at its start.
     #[inline(always)]
-    pub fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
+    fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
         let [mut exchange, mut grown] = [[Lanes::ZERO; NODES]; 2];
         let total = self.along(heat, &mut exchange, &mut grown);
         RULE.up_to_nodes(&Mirrored::new(&grown), &mut grown);

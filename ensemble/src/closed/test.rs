@@ -1,6 +1,6 @@
 //! Push-and-hold tests that have a closed form: the numbers that it needs, of one and of as many as there are lanes.
 
-use crate::closed::kept::{Exchange, Heat, RampPart};
+use crate::closed::kept::{Heat, RampPart};
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
 use crate::scenario::Scenario;
@@ -41,26 +41,6 @@ impl ExactTest {
     pub fn exchange(&mut self, held: f64, time_scales: f64) {
         self.rate = held;
         self.parts = Closed::parts(time_scales);
-    }
-}
-
-/// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
-pub trait Ramp {
-    /// 1/T at the end of one of the equal parts of a ramp.
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes;
-}
-
-impl Ramp for Closed<Lanes> {
-    #[inline(always)]
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
-        self.ramp_part(inverse, part.root, part.step, part.dwell)
-    }
-}
-
-impl Ramp for Exchange<'_> {
-    #[inline(always)]
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
-        part.end(self, inverse)
     }
 }
 
@@ -142,12 +122,12 @@ impl Tests {
 
     /// Temperatures at the end of the push, K, each in its own number of parts.
     #[inline(always)]
-    pub fn pushed(&self, ramp: &impl Ramp) -> Lanes {
+    pub fn pushed(&self, heat: &impl Heat) -> Lanes {
         let first = self.part(0);
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
             let part = RampPart { root: first.root + first.step * index as f64, ..first };
-            let next = ramp.part(&part, inverse);
+            let next = heat.end(&part, inverse);
             inverse = (self.parts - index as f64).where_positive(next, inverse);
         }
         inverse.recip()
