@@ -310,7 +310,7 @@ impl<R: Scalar> Run<'_, R> {
         let last = last + late.value().max(0.0);
         let taken = record::follow(inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
-            on_step(until, step.end()[MASS]);
+            on_step(until, step.end[MASS]);
         })?;
         Ok((sensor.readings.into_taken(), taken))
     }
