@@ -75,9 +75,9 @@ impl Effect for DecayingTurbulence {
 #[cfg(test)]
 mod tests {
     use super::DecayingTurbulence;
+    use crate::paper::section_31;
     use crate::signals::Signals;
     use crate::simulate::{Start, simulate};
-    use crate::paper::section_31;
     use crate::{AreaLaw, Chamber};
 
     const AMBIENT_K: f64 = 293.0;

@@ -118,7 +118,7 @@ pub const WITH_BENDS: EffectSet = EffectSet::of(of_each!(E => E::BENDS));
 /// Effects with [`Effect::REMEMBERS`].
 pub const REMEMBERING: EffectSet = EffectSet::of(of_each!(E => E::REMEMBERS));
 /// Effects that have [`Effect::kinks`].
-pub const WITH_KINKS: EffectSet = EffectSet::of(of_each!(E => E::KINKS > 0));
+pub const WITH_KINKS: EffectSet = EffectSet::of(of_each!(E => E::KINKS != 0));
 
 /// Number of functions that [`EffectValues::kinks`] gives.
 pub const KINKS: usize = {

@@ -63,21 +63,21 @@ impl<const K: usize> Series<K> {
 }
 
 macro_rules! term_by_term {
-    ($($op:ident $method:ident $symbol:tt),*) => {$(
+    ($($op:ident $method:ident $assign:tt),*) => {$(
         impl<const K: usize> $op for Series<K> {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, o: Self) -> Self {
                 for k in 0..K {
-                    self.coefficients[k] = self.coefficients[k] $symbol o.coefficients[k];
+                    self.coefficients[k] $assign o.coefficients[k];
                 }
-                self.side = self.side $symbol o.side;
+                self.side $assign o.side;
                 self
             }
         }
     )*};
 }
-term_by_term![Add add +, Sub sub -];
+term_by_term![Add add +=, Sub sub -=];
 chamber::assign_operators!(Series<K>, const K: usize);
 
 impl<const K: usize> Mul for Series<K> {
