@@ -16,6 +16,7 @@ pub use values::EffectValues;
 use crate::card::{ActsOn, Balance, Card};
 use crate::real::Real;
 
+// `$dollar` is the dollar sign of the macros that this one makes, which it cannot write itself.
 macro_rules! effects {
     ($dollar:tt $($module:ident::$name:ident),* $(,)?) => {
         $(pub mod $module; pub use $module::$name;)*
