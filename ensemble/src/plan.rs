@@ -42,12 +42,13 @@ impl Stretch {
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// Effects that are not neutral.
     pub active: EffectSet,
-    /// Stretches from the start to the end of the test.
-    pub stretches: Vec<Stretch>,
+    /// Stretches from the start to the end of the test, and how many there are.
+    stretches: [Stretch; MOST_STRETCHES],
+    count: usize,
     /// End of the push, s.
     pub push_end: f64,
     /// End of the test, s.
@@ -85,22 +86,23 @@ impl Plan {
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
-        let mut stretches = Vec::with_capacity(MOST_STRETCHES);
-        stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
-        stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
+        let push = Stretch::new(scenario, from, (to - from) / push_end, push_end);
+        let hold = Stretch::new(scenario, to, 0.0, duration - push_end);
+        let (mut stretches, mut count) = ([push, hold, hold, hold], 2);
+        let mut split = |t: f64| split(&mut stretches, &mut count, t);
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
         // In the order of their times: a later one leaves the indices of the others as they are.
-        let from = split(&mut stretches, begin);
+        let from = split(begin);
         let (hold, to) = if push_end < end {
-            let hold = split(&mut stretches, push_end);
-            (hold, split(&mut stretches, end))
+            let hold = split(push_end);
+            (hold, split(end))
         } else {
-            let to = split(&mut stretches, end);
-            (split(&mut stretches, push_end), to)
+            let to = split(end);
+            (split(push_end), to)
         };
         let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
-        for stretch in &mut stretches {
+        for stretch in &mut stretches[..count] {
             stretch.elapsed = elapsed;
             elapsed += stretch.length;
             let [from, to] = [0.0, stretch.length].map(|t| geometry.volume(stretch.boundary(t).position));
@@ -112,7 +114,13 @@ impl Plan {
             first.clock = first.clock.bent(first.length);
         }
         let expands = scenario.expands();
-        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands, starts_singular })
+        let window = [from, to];
+        Ok(Self { active, stretches, count, push_end, duration, delay, window, hold, expands, starts_singular })
+    }
+
+    /// Stretches from the start to the end of the test.
+    pub fn stretches(&self) -> &[Stretch] {
+        &self.stretches[..self.count]
     }
 }
 
@@ -191,9 +199,9 @@ pub fn check_duration(s: &Scenario) -> Result<(), Failure> {
 }
 
 /// Makes a stretch begin at time `t` and returns its index; the number of stretches where `t` is the end.
-fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
+fn split(stretches: &mut [Stretch; MOST_STRETCHES], count: &mut usize, t: f64) -> usize {
     let mut begin = 0.0;
-    for i in 0..stretches.len() {
+    for i in 0..*count {
         let length = stretches[i].length;
         let near = 1e-12 * t.max(1e-9);
         if t <= begin + near {
@@ -203,10 +211,12 @@ fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
             let (done, all) = (t - begin, &mut stretches[i]);
             let rest = Stretch { length: length - done, start: all.boundary(done), ..*all };
             all.length = done;
-            stretches.insert(i + 1, rest);
+            stretches[i + 1..].rotate_right(1);
+            stretches[i + 1] = rest;
+            *count += 1;
             return i + 1;
         }
         begin += length;
     }
-    stretches.len()
+    *count
 }
