@@ -35,7 +35,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Pressure that the record shows, Pa, and gas temperature, K, in a piece at a time of the gas, s.
     fn at(&self, piece: &AcceptedStep, t: f64) -> (f64, f64) {
-        self.shown(&self.plan.stretches()[piece.stretch], t - piece.stretch_begin, &piece.states.at(t), t)
+        self.shown(&self.plan.stretches[piece.stretch], t - piece.stretch_begin, &piece.states.at(t), t)
     }
 
     fn shown(&self, stretch: &Stretch, local: f64, state: &[f64; STATES], t: f64) -> (f64, f64) {
@@ -49,7 +49,7 @@ impl Run<'_> {
     fn record(&self, time: f64) -> f64 {
         let t = time - self.plan.delay;
         if t <= 0.0 {
-            return self.shown(&self.plan.stretches()[0], 0.0, &self.initial, t).0;
+            return self.shown(&self.plan.stretches[0], 0.0, &self.initial, t).0;
         }
         let index = self.pieces.partition_point(|p| p.to < t - 1e-12 * t).min(self.pieces.len() - 1);
         self.at(&self.pieces[index], t).0
@@ -91,14 +91,14 @@ pub fn run(set: EffectSet, scenario: &Scenario, options: &Options) -> Outcome {
 }
 
 fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Outcome, Failure> {
-    let plan = Plan::new(set, scenario.chamber.active(), scenario)?;
+    let plan = Plan::new(Vec::new(), set, scenario.chamber.active(), scenario)?;
     let chamber = &scenario.chamber;
-    let first = plan.stretches()[0].boundary(0.0);
+    let first = plan.stretches[0].boundary(0.0);
     let initial = balance::state_at(chamber, &first, scenario.initial_pressure_pa, scenario.initial_temperature_k);
     let mut run = Run { set, chamber, plan: &plan, pieces: Vec::new(), initial };
     let mut integrator = Integrator::new(0.0, initial, tolerance(options.relative_tolerance, &initial));
     let mut begin = 0.0;
-    for (index, stretch) in plan.stretches().iter().enumerate() {
+    for (index, stretch) in plan.stretches.iter().enumerate() {
         let system = |t: f64, state: &[f64; STATES]| balance::rates(set, chamber, &stretch.boundary(t - begin), state);
         let pieces = &mut run.pieces;
         integrator
@@ -134,7 +134,7 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let rest = chamber.effects.rest_temperature(scenario.ambient_temperature_k);
     let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
     let hold = plan.duration - plan.push_end;
-    let at_end = plan.stretches()[plan.stretches().len() - 1].boundary(0.0);
+    let at_end = plan.stretches[plan.stretches.len() - 1].boundary(0.0);
     let rates = balance::rates(set, chamber, &at_end, &integrator.state);
     let [inflow, pressure_rate] = [MASS, ENERGY].map(|of| rates[of] / integrator.state[of]);
     let to_be_lost = to_be_lost(gas_final * (1.0 - rest / temperature_final), -gas_final * pressure_rate * hold);

@@ -42,13 +42,12 @@ impl Stretch {
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// Effects that are not neutral.
     pub active: EffectSet,
-    /// Stretches from the start to the end of the test, and how many there are.
-    stretches: [Stretch; MOST_STRETCHES],
-    count: usize,
+    /// Stretches from the start to the end of the test.
+    pub stretches: Vec<Stretch>,
     /// End of the push, s.
     pub push_end: f64,
     /// End of the test, s.
@@ -80,29 +79,29 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
 pub const MOST_STRETCHES: usize = 4;
 
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
-    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches, in the memory of others.
+    pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
-        let push = Stretch::new(scenario, from, (to - from) / push_end, push_end);
-        let hold = Stretch::new(scenario, to, 0.0, duration - push_end);
-        let (mut stretches, mut count) = ([push, hold, hold, hold], 2);
-        let mut split = |t: f64| split(&mut stretches, &mut count, t);
+        let mut stretches = others;
+        stretches.clear();
+        stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
+        stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
         // In the order of their times: a later one leaves the indices of the others as they are.
-        let from = split(begin);
+        let from = split(&mut stretches, begin);
         let (hold, to) = if push_end < end {
-            let hold = split(push_end);
-            (hold, split(end))
+            let hold = split(&mut stretches, push_end);
+            (hold, split(&mut stretches, end))
         } else {
-            let to = split(end);
-            (split(push_end), to)
+            let to = split(&mut stretches, end);
+            (split(&mut stretches, push_end), to)
         };
         let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
-        for stretch in &mut stretches[..count] {
+        for stretch in &mut stretches {
             stretch.elapsed = elapsed;
             elapsed += stretch.length;
             let [from, to] = [0.0, stretch.length].map(|t| geometry.volume(stretch.boundary(t).position));
@@ -114,13 +113,7 @@ impl Plan {
             first.clock = first.clock.bent(first.length);
         }
         let expands = scenario.expands();
-        let window = [from, to];
-        Ok(Self { active, stretches, count, push_end, duration, delay, window, hold, expands, starts_singular })
-    }
-
-    /// Stretches from the start to the end of the test.
-    pub fn stretches(&self) -> &[Stretch] {
-        &self.stretches[..self.count]
+        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands, starts_singular })
     }
 }
 
@@ -199,9 +192,9 @@ pub fn check_duration(s: &Scenario) -> Result<(), Failure> {
 }
 
 /// Makes a stretch begin at time `t` and returns its index; the number of stretches where `t` is the end.
-fn split(stretches: &mut [Stretch; MOST_STRETCHES], count: &mut usize, t: f64) -> usize {
+fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
     let mut begin = 0.0;
-    for i in 0..*count {
+    for i in 0..stretches.len() {
         let length = stretches[i].length;
         let near = 1e-12 * t.max(1e-9);
         if t <= begin + near {
@@ -211,12 +204,10 @@ fn split(stretches: &mut [Stretch; MOST_STRETCHES], count: &mut usize, t: f64) -
             let (done, all) = (t - begin, &mut stretches[i]);
             let rest = Stretch { length: length - done, start: all.boundary(done), ..*all };
             all.length = done;
-            stretches[i + 1..].rotate_right(1);
-            stretches[i + 1] = rest;
-            *count += 1;
+            stretches.insert(i + 1, rest);
             return i + 1;
         }
         begin += length;
     }
-    *count
+    stretches.len()
 }

@@ -169,14 +169,14 @@ fn integrate<const N: usize, const BITS: u32>(
             course.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
         };
         let problem = |course: &IntegratedRow, states: &States<N>| {
-            let mut problem = Problem::new(course.plan.stretches()[index].length, states.state, states.absolute);
+            let mut problem = Problem::new(course.plan.stretches[index].length, states.state, states.absolute);
             (problem.longest, problem.first) = course.steps(index);
             problem
         };
         if General::<N, BITS>::REMEMBERS
             && let Some(memory) = &mut remembers
         {
-            let rests = |c: &usize| courses[*c].plan.stretches()[index].start.velocity == 0.0;
+            let rests = |c: &usize| courses[*c].plan.stretches[index].start.velocity == 0.0;
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
             let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
             problems.clear();
@@ -216,7 +216,7 @@ impl<'a> IntegratedRow<'a> {
     fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let of_gas = sets::on_the_gas(plan.active);
-        let states = balance.state_at(of_gas, &plan.stretches()[0].boundary(0.0), pressure, temperature);
+        let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
         let initial = [states[MASS], states[ENERGY]];
         let course = Self {
             row,
@@ -237,13 +237,13 @@ impl<'a> IntegratedRow<'a> {
 
     /// What the integrator needs of it for a stretch.
     fn system(&self, stretch: usize) -> Row<'_> {
-        let stretch = &self.plan.stretches()[stretch];
+        let stretch = &self.plan.stretches[stretch];
         Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
     }
 
     /// The longest step through a stretch, s, and its first one; zero where that is to be found out.
     fn steps(&self, index: usize) -> (f64, f64) {
-        let stretch = &self.plan.stretches()[index];
+        let stretch = &self.plan.stretches[index];
         let longest = if index >= seen_from(self.plan, &self.sensor) {
             LONGEST * stretch.length
         } else if stretch.start.velocity != 0.0 {
@@ -258,7 +258,7 @@ impl<'a> IntegratedRow<'a> {
 
     /// Whether it goes through a stretch.
     fn goes_on(&self, index: usize) -> bool {
-        self.failure.is_none() && index < self.plan.stretches().len()
+        self.failure.is_none() && index < self.plan.stretches.len()
     }
 
     /// Goes on from the end of a stretch: mass, kg, and internal energy, J, there, the energy received as heat and enthalpy and the
@@ -288,7 +288,7 @@ impl<'a> IntegratedRow<'a> {
         if self.failure.is_some() {
             return;
         }
-        let passed = self.passed.iter().take(self.plan.stretches().len());
+        let passed = self.passed.iter().take(self.plan.stretches.len());
         for (stretch, &(steps, view)) in passed.enumerate().skip(seen_from(self.plan, &self.sensor)) {
             traces.stretch(stretch, |knots| {
                 knots.push(Knot { at: 0.0, view, kink: false });

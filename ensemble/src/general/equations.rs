@@ -334,12 +334,12 @@ mod tests {
         let chamber = chamber::paper::section_31(chamber::AreaLaw::Total);
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 1.04);
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
-        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balances::of(chamber);
-        let all = balance::state_at(&chamber, &plan.stretches()[0].boundary(0.0), 1e5, 293.0);
+        let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {
             let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);
-            for stretch in plan.stretches() {
+            for stretch in &plan.stretches {
                 let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];

@@ -45,7 +45,7 @@ impl Traces<'_> {
             let mut reading = before;
             for index in self.pieces_of(row) {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
-                let elapsed = plan.stretches()[segment.stretch as usize].elapsed;
+                let elapsed = plan.stretches[segment.stretch as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
                 let LaggedPiece { pressure, kept, fed, begin, .. } = &mut lags[piece.lag as usize];
                 *begin = reading;

@@ -251,7 +251,7 @@ impl<'a> Traces<'a> {
     fn of_segment(&self, segment: u32) -> (&Trace<'a>, &Stretch) {
         let Segment { row, stretch, .. } = self.memory.segments[segment as usize];
         let row = &self.rows[row as usize];
-        (row, &row.plan.stretches()[stretch as usize])
+        (row, &row.plan.stretches[stretch as usize])
     }
 
     /// Cuts all records into pieces.
@@ -265,7 +265,7 @@ impl<'a> Traces<'a> {
             let mut shown = begin..begin;
             while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
                 let (stretch, from) = (segment.stretch as usize, pieces.len());
-                row.cut(index as u32, &row.plan.stretches()[stretch], &knots[segment.knots.clone()], pieces);
+                row.cut(index as u32, &row.plan.stretches[stretch], &knots[segment.knots.clone()], pieces);
                 let [first, end] = row.plan.window;
                 if (first..end).contains(&stretch) {
                     shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
