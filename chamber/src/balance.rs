@@ -127,16 +127,16 @@ impl<R: Real> Balances<R> {
         self.cp = heat_capacity_ratio * gas_constant * per_expansion;
         self.heat_transfer_factor = law.coefficient * expansion / reference;
         self.area = self.chamber.geometry.area_constants();
-        self.constants = effects::constants(&self.chamber.effects, &self.chamber.gas);
+        self.constants = self.chamber.effects.constants(&self.chamber.gas);
     }
 
     /// States of the chamber in equilibrium of its parts, with the effects in `set`, at a pressure, Pa, and temperature, K.
     pub fn state_at(&self, set: EffectSet, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
         let values = &self.chamber.effects;
-        let [factor, ..] = effects::volume(set, values, boundary.position, pressure);
+        let [factor, ..] = values.volume(set, boundary.position, pressure);
         let volume = self.chamber.geometry.volume(boundary.position) * factor;
         let mass = pressure * volume / (self.chamber.gas.gas_constant * temperature);
-        let energy = pressure * volume / self.expansion * effects::internal_energy(set, values, temperature);
+        let energy = pressure * volume / self.expansion * values.internal_energy(set, temperature);
         let mut state = [R::ZERO; STATES];
         (state[MASS], state[ENERGY]) = (mass, energy);
         let contents = self.contents(boundary, &state);
@@ -149,7 +149,7 @@ impl<R: Real> Balances<R> {
     /// [`Effect::decays`](effects::Effect::decays) of the effects in `set`, for each of the first `N` states, 1/s.
     pub fn decays<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         let at = self.conditions(set, boundary, &self.contents(boundary, state));
-        let own = effects::decays(set, &self.chamber.effects, &at);
+        let own = self.chamber.effects.decays(set, &at);
         core::array::from_fn(|i| i.checked_sub(OWN).map_or(R::ZERO, |place| own[place]))
     }
 
@@ -194,8 +194,8 @@ impl<R: Real> Balances<R> {
             reference_pressure: chamber.heat_transfer.reference_pressure,
             reference_temperature: chamber.heat_transfer.reference_temperature,
         };
-        effects::gas_properties(set, &chamber.effects, &mut at);
-        if effects::is_volumetric(set, &chamber.effects) {
+        chamber.effects.gas_properties(set, &mut at);
+        if chamber.effects.is_volumetric(set) {
             let factor = self.volume_factor(set, volume, at.pressure);
             let per_factor = factor.recip();
             at.volume = volume * factor;
@@ -219,12 +219,12 @@ impl<R: Real> Balances<R> {
         alone / pressure
     }
 
-    /// [`effects::volume`] at a geometric volume, m³, and pressure, Pa.
+    /// [`EffectValues::volume`] at a geometric volume, m³, and pressure, Pa.
     #[inline(always)]
     fn volume_at(&self, set: EffectSet, volume: R, pressure: R) -> [R; 3] {
         let geometry = &self.chamber.geometry;
         let position = (volume - geometry.dead_volume) / geometry.piston_area;
-        effects::volume(set, &self.chamber.effects, position, pressure)
+        self.chamber.effects.volume(set, position, pressure)
     }
 
     /// Pressure of its contents, Pa, with the effects in `set`.
@@ -234,12 +234,10 @@ impl<R: Real> Balances<R> {
             self.expansion * contents.energy / contents.volume
         } else {
             let temperature = contents.energy / contents.mass * self.per_cv;
-            effects::temperature(set, &self.chamber.effects, temperature)
-                * contents.mass
-                * self.chamber.gas.gas_constant
+            self.chamber.effects.temperature(set, temperature) * contents.mass * self.chamber.gas.gas_constant
                 / contents.volume
         };
-        if !effects::is_volumetric(set, &self.chamber.effects) {
+        if !self.chamber.effects.is_volumetric(set) {
             return pressure;
         }
         pressure / self.volume_factor(set, contents.volume, pressure)
@@ -254,23 +252,11 @@ impl<R: Real> Balances<R> {
         boundary: &Boundary<R>,
         state: &[R; N],
     ) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
-        self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own_states(state))
+        self.evaluate_within(&(), set, boundary, &self.contents(boundary, state), &own_states(state))
     }
 
-    /// [`Balances::evaluate`] where the contents and the effects' own states are at hand; the position goes unread. The first
-    /// `M` own states do where the effects in `set` have no others.
-    #[inline(always)]
-    pub fn evaluate_contents<const M: usize>(
-        &self,
-        set: EffectSet,
-        boundary: &Boundary<R>,
-        contents: &Contents<R>,
-        own: &[R; M],
-    ) -> (Conditions<R>, Rates<R>, [R; M]) {
-        self.evaluate_within(&(), set, boundary, contents, own)
-    }
-
-    /// [`Balances::evaluate_contents`] within these surroundings.
+    /// [`Balances::evaluate`] within surroundings, where the contents and the effects' own states are at hand; the position goes
+    /// unread. The first `M` own states do where the effects in `set` have no others.
     #[inline(always)]
     pub fn evaluate_within<const M: usize, S: Surroundings<R>>(
         &self,
@@ -282,26 +268,26 @@ impl<R: Real> Balances<R> {
     ) -> (Conditions<R>, Rates<R>, [R; M]) {
         let chamber = &self.chamber;
         let mut at = self.conditions(set, boundary, contents);
-        effects::conditions(set, &chamber.effects, own, &mut at);
+        chamber.effects.conditions(set, own, &mut at);
         surroundings.conditions(&mut at);
 
-        let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-        let area = self.area(set, &at);
+        let coefficient = chamber.effects.heat_transfer_factor(set, &at, at.eichelberg);
+        let area = self.area_of(set, at.volume);
         let from_wall = coefficient * area * (at.wall_temperature - at.gas_temperature_at_wall);
-        let heat_flow = effects::heat_flow(set, &chamber.effects, &at, from_wall);
+        let heat_flow = chamber.effects.heat_flow(set, &at, from_wall);
 
         let mut flows = Flows::NONE;
         if !S::TIGHT {
             flows.outflow = boundary.mass_flow_out;
             flows.enter(boundary.mass_flow_in, boundary.temperature_in);
-            effects::flows(set, &chamber.effects, &self.constants, &at, &mut flows);
+            chamber.effects.flows(set, &self.constants, &at, &mut flows);
             surroundings.flows(&at, &mut flows);
         }
 
         let mut volume_rate = at.piston_area * at.velocity;
         // dV/dP, m³/Pa, and what the pressure's rate is less for it.
         let (mut by_pressure, mut give) = (R::ZERO, R::ONE);
-        let volumetric = effects::is_volumetric(set, &chamber.effects);
+        let volumetric = chamber.effects.is_volumetric(set);
         if volumetric {
             let [factor, by_position, share_by_pressure] = self.volume_at(set, contents.volume, at.pressure);
             volume_rate = volume_rate * factor + contents.volume * by_position * at.velocity;
@@ -314,7 +300,7 @@ impl<R: Real> Balances<R> {
             let unstored = at.pressure_rate(heat_flow + for_pressure, work);
             let rate = if volumetric { unstored * give } else { unstored };
             let excess = self.excess_of_ambient(set, &at);
-            effects::storage(set, &chamber.effects, &at, &Course { rate, give, excess }, &mut flows);
+            chamber.effects.storage(set, &at, &Course { rate, give, excess }, &mut flows);
         }
 
         let [enthalpy_flow, for_pressure] = if S::TIGHT { [R::ZERO; 2] } else { self.enthalpy(set, &at, &flows) };
@@ -332,15 +318,15 @@ impl<R: Real> Balances<R> {
             enthalpy_flow,
             work,
         };
-        let own_rates = effects::own_rates(set, &chamber.effects, own, &at, &flows, &rates);
+        let own_rates = chamber.effects.own_rates(set, own, &at, &flows, &rates);
         (at, rates, own_rates)
     }
 
-    /// The heat transfer area, m².
+    /// The heat transfer area of gas of a volume, m³, with the effects in `set`, m².
     #[inline(always)]
-    fn area(&self, set: EffectSet, at: &Conditions<R>) -> R {
-        let of_law = self.chamber.geometry.wetted_volume(at.volume) * self.area[0] + self.area[1];
-        effects::heat_transfer_area(set, &self.chamber.effects, of_law)
+    pub fn area_of(&self, set: EffectSet, volume: R) -> R {
+        let of_law = self.chamber.geometry.wetted_volume(volume) * self.area[0] + self.area[1];
+        self.chamber.effects.heat_transfer_area(set, of_law)
     }
 
     /// Takes so much heat, J, out of the wall into the gas at once; `state` are the first `N` states.
@@ -348,8 +334,8 @@ impl<R: Real> Balances<R> {
         let values = &self.chamber.effects;
         let mut own = own_states(state);
         let mut at = self.conditions(set, boundary, &self.contents(boundary, state));
-        effects::conditions(set, values, &own, &mut at);
-        effects::heated(set, values, &at, self.area(set, &at), heat, &mut own);
+        values.conditions(set, &own, &mut at);
+        values.heated(set, &at, self.area_of(set, at.volume), heat, &mut own);
         state[ENERGY] += heat;
         state[OWN..].copy_from_slice(&own[..N - OWN]);
     }
@@ -357,7 +343,7 @@ impl<R: Real> Balances<R> {
     /// Enthalpy that flows bring, W: as the energy's rate and as that of V P/(γ − 1) have it.
     #[inline(always)]
     fn enthalpy(&self, set: EffectSet, at: &Conditions<R>, flows: &Flows<R>) -> [R; 2] {
-        let [for_energy, for_pressure] = effects::excess_enthalpy(set, &self.chamber.effects, at, flows);
+        let [for_energy, for_pressure] = self.chamber.effects.excess_enthalpy(set, at, flows);
         let enthalpy = at.cp * (flows.inflow_kelvin - flows.outflow * at.temperature);
         [enthalpy + for_energy, enthalpy + for_pressure]
     }
@@ -370,7 +356,7 @@ impl<R: Real> Balances<R> {
         }
         let mut unit = Flows::NONE;
         unit.enter(R::ONE, at.ambient_temperature);
-        effects::excess_enthalpy(set, &self.chamber.effects, at, &unit)[1] / at.cp
+        self.chamber.effects.excess_enthalpy(set, at, &unit)[1] / at.cp
     }
 
     /// Rates of the first `N` states, per second: what an integrator needs.
@@ -389,7 +375,7 @@ impl<R: Real> Balances<R> {
     ) -> [R; N] {
         let mut own = [R::ZERO; M];
         own[..N - OWN].copy_from_slice(&state[OWN..]);
-        let (_, rates, own) = self.evaluate_contents(set, boundary, &self.contents(boundary, state), &own);
+        let (_, rates, own) = self.evaluate_within(&(), set, boundary, &self.contents(boundary, state), &own);
         let mut out = [R::ZERO; N];
         out[MASS] = rates.mass;
         out[ENERGY] = rates.energy;
@@ -426,26 +412,15 @@ pub fn pressure_temperature_rates<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::AreaLaw;
     use crate::effects::{GasZones, WallHeating};
-    use crate::{AreaLaw, Geometry, HeatTransfer};
+    use crate::paper::section_31;
 
     #[test]
     fn heat_that_comes_out_of_the_wall_at_once_is_missing_there() {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let (wall, zones) = (WallHeating::PLACE, GasZones::PLACE);
-        chamber.effects.of_mut(wall).copy_from_slice(&[2.0, 0.0]);
-        chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.1]);
-        let set = WallHeating::SET.union(GasZones::SET);
-        let at = Boundary {
-            position: 0.05,
-            velocity: 0.0,
-            mass_flow_in: 0.0,
-            temperature_in: 293.0,
-            mass_flow_out: 0.0,
-            ambient_temperature: 293.0,
-            ambient_pressure: 1.013e5,
-        };
+        let chamber = section_31(AreaLaw::Total).with(wall, &[2.0, 0.0]).with(zones, &[0.3, 0.1]);
+        let (set, at) = (chamber.active(), Boundary::closed(0.05, 293.0, 1.013e5));
         let balance = Balances::of(chamber);
         let before = balance.state_at(set, &at, 3e5, 293.0);
         let mut after = before;
@@ -463,12 +438,7 @@ mod tests {
 
     /// A chamber with each of some effects at its typical values, a boundary over which it breathes, and its states.
     fn breathing(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        for effect in set.iter() {
-            let typical = effects::CARDS[effect].parameters.iter().map(|parameter| parameter.typical);
-            chamber.effects.of_mut(effect).iter_mut().zip(typical).for_each(|(to, typical)| *to = typical);
-        }
+        let chamber = section_31(AreaLaw::Total).with_typical(set);
         let boundary = Boundary {
             velocity: -0.5,
             mass_flow_in: 1e-5,

@@ -158,50 +158,38 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// How the key of a number with this unit ends, empty without a unit of its own; and the unit as people and FMI tools write it.
+    fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Unit::One => ("", "1"),
+            Unit::Second => ("s", "s"),
+            Unit::Metre => ("m", "m"),
+            Unit::MetrePerSecond => ("m_per_s", "m/s"),
+            Unit::SecondPerMetre => ("s_per_m", "s/m"),
+            Unit::CubicMetre => ("m3", "m3"),
+            Unit::Kelvin | Unit::KelvinDifference => ("k", "K"),
+            Unit::Pascal | Unit::PascalDifference => ("pa", "Pa"),
+            Unit::PascalPerSecond => ("pa_per_s", "Pa/s"),
+            Unit::JoulePerKelvin => ("j_per_k", "J/K"),
+            Unit::WattPerKelvin => ("w_per_k", "W/K"),
+            Unit::SonicConductance => ("m3_per_s_pa", "m3/(s.Pa)"),
+            Unit::SquareMetre => ("m2", "m2"),
+            Unit::PerKelvin => ("1_per_k", "1/K"),
+            Unit::PerSquareKelvin => ("1_per_k2", "1/K2"),
+            Unit::InverseEffusivity => ("m2_k_per_w_s05", "m2.K/(W.s0.5)"),
+            Unit::SpeedPower => ("", "(s/m)0.8"),
+            Unit::OfTable => ("", ""),
+        }
+    }
+
     /// The ending of a data column or key with this unit, `None` for a dimensionless one: `conductance_m3_per_s_pa`.
     pub fn suffix(self) -> Option<&'static str> {
-        match self {
-            Unit::One | Unit::SpeedPower | Unit::OfTable => None,
-            Unit::Second => Some("s"),
-            Unit::Metre => Some("m"),
-            Unit::MetrePerSecond => Some("m_per_s"),
-            Unit::SecondPerMetre => Some("s_per_m"),
-            Unit::CubicMetre => Some("m3"),
-            Unit::Kelvin | Unit::KelvinDifference => Some("k"),
-            Unit::Pascal | Unit::PascalDifference => Some("pa"),
-            Unit::PascalPerSecond => Some("pa_per_s"),
-            Unit::JoulePerKelvin => Some("j_per_k"),
-            Unit::WattPerKelvin => Some("w_per_k"),
-            Unit::SonicConductance => Some("m3_per_s_pa"),
-            Unit::SquareMetre => Some("m2"),
-            Unit::PerKelvin => Some("1_per_k"),
-            Unit::PerSquareKelvin => Some("1_per_k2"),
-            Unit::InverseEffusivity => Some("m2_k_per_w_s05"),
-        }
+        Some(self.names().0).filter(|suffix| !suffix.is_empty())
     }
 
     /// The unit as people and FMI tools write it.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Unit::One => "1",
-            Unit::Second => "s",
-            Unit::Metre => "m",
-            Unit::MetrePerSecond => "m/s",
-            Unit::SecondPerMetre => "s/m",
-            Unit::CubicMetre => "m3",
-            Unit::Kelvin | Unit::KelvinDifference => "K",
-            Unit::Pascal | Unit::PascalDifference => "Pa",
-            Unit::PascalPerSecond => "Pa/s",
-            Unit::JoulePerKelvin => "J/K",
-            Unit::WattPerKelvin => "W/K",
-            Unit::SonicConductance => "m3/(s.Pa)",
-            Unit::SquareMetre => "m2",
-            Unit::PerKelvin => "1/K",
-            Unit::PerSquareKelvin => "1/K2",
-            Unit::InverseEffusivity => "m2.K/(W.s0.5)",
-            Unit::SpeedPower => "(s/m)0.8",
-            Unit::OfTable => "",
-        }
+        self.names().1
     }
 }
 

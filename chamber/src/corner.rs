@@ -21,8 +21,8 @@ pub fn first<R: Scalar, const N: usize, const K: usize>(
     step: &Step<R, N>,
     sides: impl Fn(f64, &[R; N]) -> Option<[f64; K]>,
 ) -> Option<f64> {
-    let before = sides(step.from, &step.start())?;
-    let after = sides(step.from + step.length, &step.end())?;
+    let before = sides(step.from, &step.start)?;
+    let after = sides(step.from + step.length, &step.end)?;
     let changes = |i: &usize| before[*i] * after[*i] < 0.0 && before[*i].abs().min(after[*i].abs()) > ZERO;
     if !(0..K).any(|i| changes(&i)) {
         return None;

@@ -3,8 +3,9 @@
 //! One convention where a law has a kink: [`Real::where_positive`] follows the branch the value takes, so at
 //! the kink itself the derivative is that of the non-positive side; |x| has derivative 0 at 0.
 
+use crate::assign_operators;
 use crate::real::{Real, Scalar};
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Most derivatives that a number carries along.
 const MOST: usize = 12;
@@ -65,73 +66,51 @@ impl<const N: usize> From<f64> for Dual<N> {
     }
 }
 
-impl<const N: usize> Add for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        self.chain2(o, self.value + o.value, 1.0, 1.0)
-    }
+/// Operators of two numbers: the value, and its derivatives by the one and by the other.
+macro_rules! operators {
+    ($($op:ident $method:ident: $a:ident, $b:ident => $value:expr, $by_a:expr, $by_b:expr;)*) => {$(
+        impl<const N: usize> $op for Dual<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: Self) -> Self {
+                let ($a, $b) = (self.value, o.value);
+                self.chain2(o, $value, $by_a, $by_b)
+            }
+        }
+    )*};
 }
-impl<const N: usize> Sub for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        self.chain2(o, self.value - o.value, 1.0, -1.0)
-    }
+operators! {
+    Add add: a, b => a + b, 1.0, 1.0;
+    Sub sub: a, b => a - b, 1.0, -1.0;
+    Mul mul: a, b => a * b, b, a;
+    Div div: a, b => a / b, 1.0 / b, -(a / b) / b;
 }
-impl<const N: usize> Mul for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        self.chain2(o, self.value * o.value, o.value, self.value)
-    }
+assign_operators!(Dual<N>, const N: usize);
+
+/// Operators with a plain number: the value, and its derivative.
+macro_rules! operators_with_number {
+    ($($op:ident $method:ident: $a:ident, $b:ident => $value:expr, $by_a:expr;)*) => {$(
+        impl<const N: usize> $op<f64> for Dual<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, $b: f64) -> Self {
+                let $a = self.value;
+                self.chain($value, $by_a)
+            }
+        }
+    )*};
 }
-impl<const N: usize> Div for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, o: Self) -> Self {
-        let quotient = self.value / o.value;
-        self.chain2(o, quotient, 1.0 / o.value, -quotient / o.value)
-    }
+operators_with_number! {
+    Add add: a, b => a + b, 1.0;
+    Sub sub: a, b => a - b, 1.0;
+    Mul mul: a, b => a * b, b;
 }
+
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         self.chain(-self.value, -1.0)
-    }
-}
-impl<const N: usize> AddAssign for Dual<N> {
-    #[inline(always)]
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
-impl<const N: usize> SubAssign for Dual<N> {
-    #[inline(always)]
-    fn sub_assign(&mut self, o: Self) {
-        *self = *self - o;
-    }
-}
-impl<const N: usize> Mul<f64> for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: f64) -> Self {
-        self.chain(self.value * o, o)
-    }
-}
-impl<const N: usize> Add<f64> for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: f64) -> Self {
-        self.chain(self.value + o, 1.0)
-    }
-}
-impl<const N: usize> Sub<f64> for Dual<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: f64) -> Self {
-        self.chain(self.value - o, 1.0)
     }
 }
 

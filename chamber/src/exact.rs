@@ -87,9 +87,7 @@ impl<R: Real> Closed<R> {
         }
         (inverse + dwell * integral) / self.growth(root, step, dwell, 1.0)
     }
-}
 
-impl<R: Real> Closed<R> {
     /// How many of the shortest time scales a ramp lasts: from 1/τ_f at both ends, 1/s, and the ratio of the volumes.
     #[inline(always)]
     pub fn time_scales(rates: [R; 2], ratio: R, duration: R) -> R {
@@ -142,13 +140,10 @@ pub const GAUSS_16: [(f64, f64); 8] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::section_31;
     use crate::simulate::{Start, simulate};
-    use crate::{EffectSet, Gas, Geometry, HeatTransfer, signals::Signals};
+    use crate::{EffectSet, signals::Signals};
     use proptest::prelude::*;
-
-    fn section31(area_law: AreaLaw) -> Chamber {
-        Chamber::new(Gas::AIR, Geometry::new(0.02, 0.0, 1.57e-6, area_law), HeatTransfer::at_paper_reference(26.5))
-    }
 
     fn simulated(chamber: &Chamber, motion: &[(f64, f64)], pressure: f64, times: &[f64]) -> Vec<f64> {
         let start = Start { pressure, temperature: 293.0 };
@@ -171,7 +166,7 @@ mod tests {
         fn the_integrator_agrees_with_the_exact_ramp_and_hold(
             push_time in 0.02..2.0f64, from in 0.05..0.2f64, to in 0.02..0.2f64, pressure in 0.8e5..8e5f64, swept in any::<bool>(),
         ) {
-            let chamber = section31(if swept { AreaLaw::Swept } else { AreaLaw::Total });
+            let chamber = section_31(if swept { AreaLaw::Swept } else { AreaLaw::Total });
             let (v0, v1) = (chamber.geometry.volume(from), chamber.geometry.volume(to));
             let closed = Closed::filled(&chamber, pressure, 293.0, v0, 293.0);
             let peak = closed.ramp(293.0, v0, v1, push_time);
@@ -188,7 +183,7 @@ mod tests {
     #[test]
     fn a_ramp_does_not_depend_on_the_number_of_its_parts() {
         for (from, to, push) in [(0.2, 0.02, 2.0), (0.02, 0.2, 0.02), (0.1, 0.1, 1.0), (0.4, 0.01, 10.0)] {
-            let chamber = section31(AreaLaw::Total);
+            let chamber = section_31(AreaLaw::Total);
             let (v0, v1) = (chamber.geometry.volume(from), chamber.geometry.volume(to));
             let closed = Closed::filled(&chamber, 3e5, 293.0, v0, 300.0);
             let parts = Closed::parts(Closed::time_scales([v0, v1].map(|v| closed.rate(v)), v1 / v0, push));
@@ -199,7 +194,7 @@ mod tests {
 
     #[test]
     fn one_minus_pf_over_p_decays_with_the_rate_k() {
-        let chamber = section31(AreaLaw::Total);
+        let chamber = section_31(AreaLaw::Total);
         let volume = chamber.geometry.volume(0.05);
         let closed = Closed::filled(&chamber, 2e5, 293.0, volume, 293.0);
         let decay = |t: f64| 1.0 - 293.0 / closed.held(370.0, volume, t);

@@ -1,6 +1,6 @@
 //! The perfect gas: P V = m R T with constant heat capacities. R in J/(kg K), γ dimensionless.
 
-use crate::real::Real;
+use crate::real::{Real, lift};
 
 /// A perfect gas with constant heat capacities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,12 +56,9 @@ impl<R: Real> Gas<R> {
     pub fn cp(&self) -> R {
         self.heat_capacity_ratio * self.cv()
     }
-
-    /// The same gas in another number type.
-    pub fn lift<S: Real + From<R>>(self) -> Gas<S> {
-        Gas { gas_constant: self.gas_constant.into(), heat_capacity_ratio: self.heat_capacity_ratio.into() }
-    }
 }
+
+lift!(Gas: gas_constant, heat_capacity_ratio);
 
 #[cfg(test)]
 mod tests {

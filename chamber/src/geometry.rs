@@ -3,7 +3,7 @@
 //! Where a rod of diameter d runs through the chamber, the gas touches barrel, rod and two annular faces:
 //! Aq = π (φ + d) x + π (φ² − d²)/2 with x = 4V/(π (φ² − d²)), that is 4V/(φ − d) + π (φ² − d²)/2.
 
-use crate::real::Real;
+use crate::real::{Real, lift};
 use core::f64::consts::PI;
 
 /// Which gas volume's lateral area counts in the heat transfer area Aq.
@@ -82,18 +82,9 @@ impl<R: Real> Geometry<R> {
         let (bore, rod) = (self.bore, self.rod_diameter);
         [R::from(4.0) / (bore - rod), (bore * bore - rod * rod) * (PI / 2.0)]
     }
-
-    /// The same geometry in another number type.
-    pub fn lift<S: Real + From<R>>(self) -> Geometry<S> {
-        Geometry {
-            bore: self.bore.into(),
-            rod_diameter: self.rod_diameter.into(),
-            piston_area: self.piston_area.into(),
-            dead_volume: self.dead_volume.into(),
-            area_law: self.area_law,
-        }
-    }
 }
+
+lift!(Geometry: bore, rod_diameter, piston_area, dead_volume; area_law);
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 //! λ(P, T) = λ0 √(P T/(P0 T0)). Effects multiply it by further factors.
 
 use crate::paper;
-use crate::real::Real;
+use crate::real::{Real, lift};
 
 /// Eichelberg's law, known at one state of the gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,24 +27,12 @@ impl HeatTransfer<f64> {
 }
 
 impl<R: Real> HeatTransfer<R> {
-    /// λ/√(P T), W/(m² K^1.5 Pa^0.5): the law's constant factor.
-    #[inline(always)]
-    pub fn factor(&self) -> R {
-        self.coefficient / (self.reference_pressure * self.reference_temperature).sqrt()
-    }
-
     /// λ at pressure P, Pa, and gas temperature T, K. Equation (5).
     #[inline(always)]
     pub fn coefficient_at(&self, pressure: R, temperature: R) -> R {
-        self.factor() * (pressure * temperature).sqrt()
-    }
-
-    /// The same law in another number type.
-    pub fn lift<S: Real + From<R>>(self) -> HeatTransfer<S> {
-        HeatTransfer {
-            coefficient: self.coefficient.into(),
-            reference_pressure: self.reference_pressure.into(),
-            reference_temperature: self.reference_temperature.into(),
-        }
+        self.coefficient / (self.reference_pressure * self.reference_temperature).sqrt()
+            * (pressure * temperature).sqrt()
     }
 }
+
+lift!(HeatTransfer: coefficient, reference_pressure, reference_temperature);

@@ -71,8 +71,10 @@ pub struct Step<R, const N: usize> {
     pub from: f64,
     /// Its length, s.
     pub length: f64,
-    start: [R; N],
-    end: [R; N],
+    /// States at its start.
+    pub start: [R; N],
+    /// States at its end.
+    pub end: [R; N],
     /// Slopes in its stages; of a state that decays by itself what drives it.
     slopes: [[R; N]; STAGES],
     /// Which states decay by themselves.
@@ -103,16 +105,6 @@ impl<R: Real, const N: usize> Step<R, N> {
             terms[4][i] = fourth;
         }
         Dense { from: self.from, per_length: 1.0 / self.length, terms }
-    }
-
-    /// States at its start.
-    pub fn start(&self) -> [R; N] {
-        self.start
-    }
-
-    /// States at its end.
-    pub fn end(&self) -> [R; N] {
-        self.end
     }
 
     /// One of no length, from these states with these slopes. The next is written over it, and so on: with derivatives a step is

@@ -25,6 +25,16 @@ impl Chamber<f64> {
         Self { gas, geometry, heat_transfer, effects: EffectValues::NEUTRAL }
     }
 
+    /// The same with an effect, by its place in the list, whose first parameters are these.
+    pub fn with(self, index: usize, first: &[f64]) -> Self {
+        Self { effects: self.effects.with(index, first), ..self }
+    }
+
+    /// The same with the effects in `set` at their typical values.
+    pub fn with_typical(self, set: EffectSet) -> Self {
+        Self { effects: self.effects.with_typical(set), ..self }
+    }
+
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {
         self.effects.active()

@@ -1,6 +1,6 @@
 //! What a balance is made of: the boundary, the gas at one moment, flows, rates, and what a system around the chamber adds.
 
-use crate::real::Real;
+use crate::real::{Real, lift};
 
 /// What the surroundings impose at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,21 +35,9 @@ impl<R: Real> Boundary<R> {
             ambient_pressure,
         }
     }
-
-    /// The same boundary in another number type.
-    #[inline(always)]
-    pub fn lift<S: Real + From<R>>(self) -> Boundary<S> {
-        Boundary {
-            position: self.position.into(),
-            velocity: self.velocity.into(),
-            mass_flow_in: self.mass_flow_in.into(),
-            temperature_in: self.temperature_in.into(),
-            mass_flow_out: self.mass_flow_out.into(),
-            ambient_temperature: self.ambient_temperature.into(),
-            ambient_pressure: self.ambient_pressure.into(),
-        }
-    }
 }
+
+lift!(Boundary: position, velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure);
 
 /// Gas, wall and surroundings at one moment, as the effects see them. SI units.
 #[derive(Clone, Copy, Debug)]

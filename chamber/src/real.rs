@@ -66,6 +66,39 @@ pub trait Real:
     }
 }
 
+/// `+=` and `-=` of a number type, by its sums and differences.
+#[macro_export]
+macro_rules! assign_operators {
+    ($number:ty $(, $($generics:tt)+)?) => {
+        impl$(<$($generics)+>)? core::ops::AddAssign for $number {
+            #[inline(always)]
+            fn add_assign(&mut self, o: Self) {
+                *self = *self + o;
+            }
+        }
+        impl$(<$($generics)+>)? core::ops::SubAssign for $number {
+            #[inline(always)]
+            fn sub_assign(&mut self, o: Self) {
+                *self = *self - o;
+            }
+        }
+    };
+}
+
+/// A struct of numbers in another number type; what stands behind the semicolon is no number.
+macro_rules! lift {
+    ($name:ident: $($number:ident),+ $(; $same:ident)?) => {
+        impl<R: $crate::real::Real> $name<R> {
+            /// The same in another number type.
+            #[inline(always)]
+            pub fn lift<S: $crate::real::Real + From<R>>(self) -> $name<S> {
+                $name { $($number: self.$number.into(),)+ $($same: self.$same,)? }
+            }
+        }
+    };
+}
+pub(crate) use lift;
+
 /// The reciprocal of each number for the price of one division, which is what an evaluation of the balances is made of
 /// (Montgomery's trick, Math. Comp. 48 (1987) 243).
 #[inline(always)]

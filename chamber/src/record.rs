@@ -167,7 +167,7 @@ pub struct Readings<'a, R> {
 impl<'a, R: Scalar> Readings<'a, R> {
     /// None yet of those at `times` (ascending, s) of a record that begins at `begin`, s.
     pub fn new(chamber: &'a Chamber<R>, set: EffectSet, times: &'a [f64], begin: f64) -> Self {
-        let delay = effects::delay(set, &chamber.effects);
+        let delay = chamber.effects.delay(set);
         Self { effects: &chamber.effects, set, times, begin, delay, taken: Vec::with_capacity(times.len()) }
     }
 
@@ -197,7 +197,7 @@ impl<'a, R: Scalar> Readings<'a, R> {
         while let Some(shown) = self.next().filter(|shown| shown.value() <= reach) {
             let (pressure, own) = gas(shown);
             let elapsed = R::from(self.times[self.taken.len()] - self.begin);
-            self.taken.push(effects::reading(self.set, self.effects, &own, pressure, elapsed));
+            self.taken.push(self.effects.reading(self.set, &own, pressure, elapsed));
         }
     }
 
@@ -216,17 +216,18 @@ impl<'a, R: Scalar> Readings<'a, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::AreaLaw;
     use crate::balance::{self, Balances, FEW_STATES};
+    use crate::paper::section_31;
     use crate::signals::Signals;
     use crate::simulate::tolerance;
-    use crate::{AreaLaw, Gas, Geometry, HeatTransfer};
 
     const PRESSURE_PA: f64 = 2e5;
 
     /// Energy of the gas after pushes, holds and pulls with that λ0, by the steps of a mesh, and the steps taken.
     fn energy(coefficient: f64, relative: f64, mesh: &Mesh) -> (f64, Mesh) {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(coefficient));
+        let mut chamber = section_31(AreaLaw::Total);
+        chamber.heat_transfer.coefficient = coefficient;
         let moves: Vec<(f64, f64)> =
             (0..16).map(|k| (0.15 * f64::from(k), [0.1, 0.1, 0.05, 0.05][k as usize % 4])).collect();
         let signals = Signals::closed(&moves, 293.0, 1.013e5);

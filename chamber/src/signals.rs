@@ -1,7 +1,7 @@
 //! What a record or a plan imposes on the chamber, piecewise linear in time.
 
 use crate::balance::Boundary;
-use crate::effects::{self, EffectSet, EffectValues};
+use crate::effects::{EffectSet, EffectValues};
 use crate::real::Real;
 use crate::record::Inputs;
 use crate::unaveraged::{self, Unaveraged};
@@ -42,9 +42,9 @@ impl Signals {
     /// The same with the true stroke in the place of the recorded one, as the effects in `set` tell them apart: piecewise
     /// linear too, with further knots. Before and after the record the recorded stroke is taken to rest.
     pub fn with_true_stroke(self, set: EffectSet, values: &EffectValues) -> Self {
-        let delay = effects::stroke_delay(set, values);
-        let window = effects::stroke_window(set, values);
-        let filter = effects::stroke_filter(set, values);
+        let delay = values.stroke_delay(set);
+        let window = values.stroke_window(set);
+        let filter = values.stroke_filter(set);
         if delay == 0.0 && window == 0.0 && filter == 0.0 {
             return self;
         }
@@ -102,28 +102,20 @@ impl Signals {
         let (Some(from), Some(to)) = (next.checked_sub(1).map(|k| &self.knots[k]), self.knots.get(next)) else {
             return Knot { time, ..self.knots[next.min(self.knots.len() - 1)] };
         };
-        let share = (time - from.time) / (to.time - from.time);
+        from.towards(to, time)
+    }
+}
+
+impl Knot {
+    /// All inputs at a time, s, on the straight line to another knot.
+    fn towards(&self, to: &Knot, time: f64) -> Knot {
+        let share = (time - self.time) / (to.time - self.time);
         let between = |a: f64, b: f64| a + (b - a) * share;
         Knot {
             time,
-            position: between(from.position, to.position),
-            mass_flow: between(from.mass_flow, to.mass_flow),
-            ambient_temperature: between(from.ambient_temperature, to.ambient_temperature),
-        }
-    }
-
-    fn at(&self, from: &Knot, share: f64, to: &Knot, velocity: f64) -> Boundary {
-        let between = |a: f64, b: f64| a + (b - a) * share;
-        let flow = between(from.mass_flow, to.mass_flow);
-        let ambient_temperature = between(from.ambient_temperature, to.ambient_temperature);
-        Boundary {
-            position: between(from.position, to.position),
-            velocity,
-            mass_flow_in: flow.max(0.0),
-            temperature_in: ambient_temperature,
-            mass_flow_out: (-flow).max(0.0),
-            ambient_temperature,
-            ambient_pressure: self.ambient_pressure,
+            position: between(self.position, to.position),
+            mass_flow: between(self.mass_flow, to.mass_flow),
+            ambient_temperature: between(self.ambient_temperature, to.ambient_temperature),
         }
     }
 }
@@ -148,25 +140,28 @@ impl<R: Real> Inputs<R> for Signals {
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let from = &self.knots[stretch];
-        let Some(to) = self.knots.get(stretch + 1) else {
-            return self.at(from, 0.0, from, 0.0).lift();
+        let (knot, velocity) = match self.knots.get(stretch + 1) {
+            Some(to) => (from.towards(to, time), (to.position - from.position) / (to.time - from.time)),
+            None => (*from, 0.0),
         };
-        let length = to.time - from.time;
-        self.at(from, (time - from.time) / length, to, (to.position - from.position) / length).lift()
+        let ambient_temperature = knot.ambient_temperature;
+        let boundary = Boundary {
+            position: knot.position,
+            velocity,
+            mass_flow_in: knot.mass_flow.max(0.0),
+            temperature_in: ambient_temperature,
+            mass_flow_out: (-knot.mass_flow).max(0.0),
+            ambient_temperature,
+            ambient_pressure: self.ambient_pressure,
+        };
+        boundary.lift()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{PositionDelay, find};
-
-    fn effect(name: &str, value: f64) -> (EffectSet, EffectValues) {
-        let (index, _) = find(name).unwrap();
-        let mut values = EffectValues::NEUTRAL;
-        values.of_mut(index)[0] = value;
-        (EffectSet::one(index), values)
-    }
+    use crate::effects::{PositionAveraging, PositionDelay};
 
     fn recorded(times: impl Iterator<Item = f64>, stroke: impl Fn(f64) -> f64) -> Signals {
         let motion: Vec<(f64, f64)> = times.map(|t| (t, stroke(t))).collect();
@@ -175,10 +170,10 @@ mod tests {
 
     #[test]
     fn a_stroke_recorded_late_happened_earlier() {
-        let (set, values) = effect("position_delay", 0.03);
+        let values = EffectValues::NEUTRAL.with(PositionDelay::PLACE, &[0.03]);
         let record =
             recorded((0..=100).map(|k| f64::from(k) * 0.01), |t| 0.1 - 0.05 * ((t - 0.03).clamp(0.2, 0.4) - 0.2));
-        let signals = record.with_true_stroke(set, &values);
+        let signals = record.with_true_stroke(PositionDelay::SET, &values);
         for k in 0..96 {
             let t = f64::from(k) * 0.01 + 0.003;
             let truth = 0.1 - 0.05 * (t.clamp(0.2, 0.4) - 0.2);
@@ -189,15 +184,13 @@ mod tests {
 
     #[test]
     fn a_stroke_behind_a_low_pass_is_found_again() {
-        let index = PositionDelay::PLACE;
-        let (filter, mut values) = (0.05, EffectValues::NEUTRAL);
-        values.of_mut(index)[1] = filter;
-        let (set, speed) = (EffectSet::one(index), 0.2);
+        let (filter, speed) = (0.05, 0.2);
+        let values = EffectValues::NEUTRAL.with(PositionDelay::PLACE, &[0.0, filter]);
         let stroke = |t: f64| 0.1 - speed * (t.clamp(0.2, 0.4) - 0.2);
         // Filtered: a ramp minus τ v (1 − e^(−t/τ)), at its start and, with the other sign, at its end.
         let behind = |t: f64| if t > 0.0 { speed * (t - filter * (1.0 - (-t / filter).exp())) } else { 0.0 };
         let record = recorded((0..=1000).map(|k| f64::from(k) * 1e-3), |t| 0.1 - behind(t - 0.2) + behind(t - 0.4));
-        let signals = record.with_true_stroke(set, &values);
+        let signals = record.with_true_stroke(PositionDelay::SET, &values);
         for k in 0..999 {
             let t = f64::from(k) * 1e-3;
             assert!((signals.knot(t).position - stroke(t)).abs() < speed * 1e-3, "{t}");
@@ -208,13 +201,13 @@ mod tests {
     fn a_moving_average_is_undone() {
         let stroke = |t: f64| 0.1 + 0.02 * (5.0 * t).sin();
         for window in [0.2, 0.4] {
-            let (set, values) = effect("position_averaging", window);
+            let values = EffectValues::NEUTRAL.with(PositionAveraging::PLACE, &[window]);
             let averaged = |t: f64| {
                 let (a, b) = (t - 0.5 * window, t + 0.5 * window);
                 0.1 + 0.02 * ((5.0 * a).cos() - (5.0 * b).cos()) / (5.0 * window)
             };
             let record = recorded((0..=4000).map(|k| f64::from(k) * 5e-4), averaged);
-            let errors = [&record, &record.clone().with_true_stroke(set, &values)].map(|s| {
+            let errors = [&record, &record.clone().with_true_stroke(PositionAveraging::SET, &values)].map(|s| {
                 (0..2000)
                     .map(|k| f64::from(k) * 1e-3)
                     .map(|t| (s.knot(t).position - stroke(t)).abs())

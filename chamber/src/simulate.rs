@@ -54,7 +54,7 @@ pub struct Start<R = f64> {
 impl<R: Real> Start<R> {
     /// Gas and wall at rest in surroundings of `ambient_temperature`, K, at that pressure, Pa.
     pub fn at_rest(chamber: &Chamber<R>, pressure: R, ambient_temperature: R) -> Self {
-        Self { pressure, temperature: effects::rest_temperature(&chamber.effects, ambient_temperature) }
+        Self { pressure, temperature: chamber.effects.rest_temperature(ambient_temperature) }
     }
 }
 
@@ -144,7 +144,7 @@ impl<R: Scalar, const N: usize> Equations<R, N> for WithEffects<'_, R> {
         }
         let (at, rates, _) = self.balance.evaluate(self.set, boundary, state);
         let values = &self.balance.chamber.effects;
-        Some(effects::kinks(self.set, values, &balance::own_states(state), &at, &rates).map(Scalar::value))
+        Some(values.kinks(self.set, &balance::own_states(state), &at, &rates).map(Scalar::value))
     }
 }
 
@@ -193,15 +193,14 @@ impl<R: Scalar, I: Inputs<R>> Recorder<'_, R, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{EffectValues, RecordDelay, SensorDrift, find};
+    use crate::effects::{RecordDelay, SensorDrift, SensorLag};
+    use crate::paper::section_31;
     use crate::signals::Signals;
-    use crate::{AreaLaw, Gas, Geometry, HeatTransfer, dual::Dual};
+    use crate::{AreaLaw, dual::Dual};
 
     fn push() -> (Chamber, Signals, Vec<f64>) {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
         let signals = Signals::closed(&[(0.0, 0.1), (0.1, 0.1), (0.3, 0.05), (2.0, 0.05)], 293.0, 1.013e5);
-        (chamber, signals, (0..=200).map(|k| f64::from(k) * 0.01).collect())
+        (section_31(AreaLaw::Total), signals, (0..=200).map(|k| f64::from(k) * 0.01).collect())
     }
 
     fn run(chamber: &Chamber, signals: &Signals, times: &[f64]) -> Vec<Sample> {
@@ -209,17 +208,11 @@ mod tests {
         simulate(chamber, chamber.active(), start, signals, times, 1e-10).unwrap()
     }
 
-    fn with(chamber: &Chamber, effect: &str, values: &[f64]) -> Chamber {
-        let mut effects = EffectValues::NEUTRAL;
-        effects.of_mut(find(effect).unwrap().0)[..values.len()].copy_from_slice(values);
-        Chamber { effects, ..*chamber }
-    }
-
     #[test]
     fn a_delayed_record_shows_the_gas_of_that_much_earlier() {
         let (chamber, signals, times) = push();
         let plain = run(&chamber, &signals, &times);
-        let delayed = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
+        let delayed = run(&chamber.with(RecordDelay::PLACE, &[0.05]), &signals, &times);
         for k in 5..=200 {
             assert_eq!(delayed[k].gas_pressure, plain[k].gas_pressure);
             assert!((delayed[k].measured_pressure / plain[k - 5].gas_pressure - 1.0).abs() < 1e-7, "{k}");
@@ -229,9 +222,8 @@ mod tests {
     #[test]
     fn drift_is_added_last_and_counts_from_the_first_knot() {
         let (chamber, signals, times) = push();
-        let mut drifting = with(&chamber, "record_delay", &[0.05]);
-        drifting.effects.of_mut(SensorDrift::PLACE)[0] = -200.0;
-        let plain = run(&with(&chamber, "record_delay", &[0.05]), &signals, &times);
+        let late = chamber.with(RecordDelay::PLACE, &[0.05]);
+        let (drifting, plain) = (late.with(SensorDrift::PLACE, &[-200.0]), run(&late, &signals, &times));
         for (d, p) in run(&drifting, &signals, &times).iter().zip(&plain) {
             assert!((d.measured_pressure - (p.measured_pressure - 200.0 * d.time)).abs() < 1e-6);
         }
@@ -240,7 +232,7 @@ mod tests {
     #[test]
     fn a_lagging_sensor_meets_the_gas_in_the_end() {
         let (chamber, signals, times) = push();
-        let lagging = run(&with(&chamber, "sensor_lag", &[0.02]), &signals, &times);
+        let lagging = run(&chamber.with(SensorLag::PLACE, &[0.02]), &signals, &times);
         let peak = lagging.iter().map(|s| s.gas_pressure).fold(0.0, f64::max);
         assert!(lagging.iter().all(|s| s.measured_pressure < peak * 0.999));
         assert!((lagging[200].measured_pressure / lagging[200].gas_pressure - 1.0).abs() < 1e-3);
@@ -249,14 +241,14 @@ mod tests {
     #[test]
     fn sensitivities_are_those_of_finite_differences_for_delay_and_coefficient() {
         let (chamber, signals, times) = push();
-        let delayed = with(&chamber, "record_delay", &[0.013]);
+        let delayed = chamber.with(RecordDelay::PLACE, &[0.013]);
         let mut dual: Chamber<Dual<2>> = delayed.lift();
         dual.heat_transfer.coefficient = Dual::variable(26.5, 0);
         dual.effects.of_mut(RecordDelay::PLACE)[0] = Dual::variable(0.013, 1);
         let start = Start { pressure: 1.013e5.into(), temperature: 293.0.into() };
         let exact = simulate(&dual, delayed.active(), start, &signals, &times, 1e-10).unwrap();
         let shifted = |delta: f64, h: f64| {
-            let mut c = with(&chamber, "record_delay", &[0.013 + delta]);
+            let mut c = chamber.with(RecordDelay::PLACE, &[0.013 + delta]);
             c.heat_transfer.coefficient += h;
             run(&c, &signals, &times)
         };

@@ -5,11 +5,14 @@
 mod any;
 
 use any::{any_boundary, any_chamber};
-use chamber::balance::{self, Balances, Boundary, ENERGY, MASS, OWN, STATES, Tight};
-use chamber::effects;
+use chamber::balance::{self, Balances, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::empirical::{Curve, Term, Variable};
+use chamber::effects::{
+    self, DeadVolumeSurface, Empirical, GasZones, LaminarLeakage, Leakage, SupplyLeakage,
+    TemperatureDependentHeatCapacity, TubeVolume, WallHeating, WarmWall,
+};
 use chamber::integrate::{Integrator, Tolerance};
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+use chamber::{AreaLaw, Chamber, EffectSet, HeatTransfer, paper};
 use proptest::prelude::*;
 
 proptest! {
@@ -33,12 +36,8 @@ proptest! {
     ) {
         let boundary = Boundary { mass_flow_in: 0.0, mass_flow_out: 0.0, ..boundary };
         for index in effects::KEEP_THE_MASS.iter() {
-            let card = &effects::CARDS[index];
-            let mut chamber = chamber;
-            for (to, parameter) in chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = parameter.typical;
-            }
-            let set = EffectSet::one(index);
+            let (card, set) = (&effects::CARDS[index], EffectSet::one(index));
+            let chamber = chamber.with_typical(set);
             let (balance, state) = (Balances::of(chamber), balance::state_at(&chamber, &boundary, p, t));
             let (_, open, own) = balance.evaluate(set, &boundary, &state);
             prop_assert_eq!(open.mass, 0.0, "{}", card.name);
@@ -55,10 +54,7 @@ proptest! {
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
     ) {
         for (index, card) in effects::all() {
-            let mut chamber = chamber;
-            for (to, parameter) in chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = parameter.typical;
-            }
+            let chamber = chamber.with_typical(EffectSet::one(index));
             let mut state = balance::state_at(&chamber, &boundary, p, t);
             state[OWN..].iter_mut().for_each(|own| *own += 1.0);
             let wall = |set: EffectSet| balance::evaluate(set, &chamber, &boundary, &state).0;
@@ -75,9 +71,9 @@ proptest! {
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
     ) {
         let boundary = Boundary { mass_flow_in: 0.0, mass_flow_out: 0.0, ..boundary };
-        let mut chamber = with_effect(chamber, "tube_volume", &[5e-6]);
+        let mut chamber = chamber.with(TubeVolume::PLACE, &[5e-6]);
         for beside in [[0.0; 2], [1e-3, 0.0], [1e-3, 1e-6]] {
-            chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &beside);
+            chamber = chamber.with(TemperatureDependentHeatCapacity::PLACE, &beside);
             for share in [0.0, 0.2] {
                 let curve = Curve {
                     term: Term::VolumeShare,
@@ -85,7 +81,7 @@ proptest! {
                     knots: vec![0.0, 1e6],
                     values: vec![0.0, share],
                 };
-                chamber = with_effect(chamber, "empirical", &curve.parameters());
+                chamber = chamber.with(Empirical::PLACE, &curve.parameters());
                 let state = balance::state_at(&chamber, &boundary, p, t);
                 let (at, rates, _) = balance::evaluate(chamber.active(), &chamber, &boundary, &state);
                 let stored = 5e-6 / (at.gas_constant * at.ambient_temperature) * rates.pressure;
@@ -110,44 +106,40 @@ proptest! {
     }
 }
 
-/// Integrates for one second with the boundary held, but for the position that moves with its velocity.
-fn after_a_second(chamber: &Chamber, boundary: &Boundary, initial: [f64; STATES]) -> [f64; STATES] {
-    let tolerance = chamber::simulate::tolerance(1e-11, &initial);
-    let mut run = Integrator::new(0.0, initial, tolerance);
-    let system = |t: f64, y: &[f64; STATES]| {
-        let at = Boundary { position: boundary.position + boundary.velocity * t, ..*boundary };
-        balance::rates(chamber.active(), chamber, &at, y)
-    };
-    run.advance(&system, 1.0, |_| ()).unwrap();
-    run.state
+/// States of a chamber a second apart, over which the boundary is held but for the position that moves with its velocity.
+struct Second {
+    initial: [f64; STATES],
+    end: [f64; STATES],
+    /// The gas then.
+    at: Conditions<f64>,
 }
 
-/// The chamber with an effect on: its first parameters as given.
-fn with_effect(chamber: Chamber, name: &str, values: &[f64]) -> Chamber {
-    let mut effects = chamber.effects;
-    effects.of_mut(effects::find(name).unwrap().0)[..values.len()].copy_from_slice(values);
-    Chamber { effects, ..chamber }
+/// From that pressure, Pa, and temperature, K, on.
+fn a_second(chamber: &Chamber, boundary: &Boundary, pressure: f64, temperature: f64) -> Second {
+    let initial = balance::state_at(chamber, boundary, pressure, temperature);
+    let mut run = Integrator::new(0.0, initial, chamber::simulate::tolerance(1e-11, &initial));
+    let moved = |t: f64| Boundary { position: boundary.position + boundary.velocity * t, ..*boundary };
+    let system = |t: f64, y: &[f64; STATES]| balance::rates(chamber.active(), chamber, &moved(t), y);
+    run.advance(&system, 1.0, |_| ()).unwrap();
+    let end = run.state;
+    Second { initial, end, at: balance::conditions(chamber, &moved(1.0), end[MASS], end[ENERGY]) }
 }
 
 fn section_31() -> (Chamber, Boundary) {
-    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-    let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    (chamber, Boundary { velocity: 0.05, ..Boundary::closed(0.05, 293.0, 1.013e5) })
+    (paper::section_31(AreaLaw::Total), Boundary { velocity: 0.05, ..Boundary::closed(0.05, 293.0, 1.013e5) })
 }
 
 #[test]
 fn the_paper_s_form_and_the_conserved_form_stay_together_over_a_stroke_with_flows() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { mass_flow_in: 3e-5, temperature_in: 300.0, mass_flow_out: 1e-5, ..boundary };
-    let state = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 293.0));
+    let Second { at, .. } = a_second(&chamber, &boundary, 2e5, 293.0);
     let mut paper = Integrator::new(0.0, [2e5, 293.0], Tolerance { relative: 1e-11, absolute: [1e-9; 2] });
     let system = |t: f64, y: &[f64; 2]| {
         let at = Boundary { position: boundary.position + boundary.velocity * t, ..boundary };
         balance::pressure_temperature_rates(&chamber, &at, y[0], y[1])
     };
     paper.advance(&system, 1.0, |_| ()).unwrap();
-    let end = Boundary { position: boundary.position + boundary.velocity, ..boundary };
-    let at = balance::conditions(&chamber, &end, state[MASS], state[ENERGY]);
     assert!((at.pressure / paper.state[0] - 1.0).abs() < 1e-9, "{} {}", at.pressure, paper.state[0]);
     assert!((at.temperature / paper.state[1] - 1.0).abs() < 1e-9, "{} {}", at.temperature, paper.state[1]);
 }
@@ -156,8 +148,7 @@ fn the_paper_s_form_and_the_conserved_form_stay_together_over_a_stroke_with_flow
 fn mass_with_flows_closes_to_rounding() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { mass_flow_in: 3e-5, mass_flow_out: 1e-5, ..boundary };
-    let initial = balance::state_at(&chamber, &boundary, 2e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
+    let Second { initial, end, .. } = a_second(&chamber, &boundary, 2e5, 293.0);
     assert!((end[MASS] - (initial[MASS] + 2e-5)).abs() < 1e-15 * 100.0 * initial[MASS]);
 }
 
@@ -166,11 +157,9 @@ fn a_wall_of_finite_capacity_keeps_the_heat_the_gas_gave() {
     // Held piston, wall without outer conductance: gas and wall together keep their energy and end at one temperature.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let index = effects::find("wall_heating").unwrap().0;
-    let chamber = with_effect(chamber, "wall_heating", &[0.05, 0.0]);
-    let initial = balance::state_at(&chamber, &boundary, 4e5, 380.0);
-    let end = after_a_second(&chamber, &boundary, initial);
-    let wall = OWN + effects::STATE_OFFSETS[index];
+    let chamber = chamber.with(WallHeating::PLACE, &[0.05, 0.0]);
+    let Second { initial, end, .. } = a_second(&chamber, &boundary, 4e5, 380.0);
+    let wall = OWN + effects::STATE_OFFSETS[WallHeating::PLACE];
     let gas_gave = initial[ENERGY] - end[ENERGY];
     let wall_took = 0.05 * (end[wall] - initial[wall]);
     assert!(gas_gave > 0.0 && (gas_gave / wall_took - 1.0).abs() < 1e-9);
@@ -181,12 +170,9 @@ fn an_isolated_core_is_compressed_without_gain_of_entropy() {
     // H = 0: the core's T2^γ P^(1−γ) is constant whatever the rest of the gas loses to the wall.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
-    let index = effects::find("gas_zones").unwrap().0;
-    let chamber = with_effect(chamber, "gas_zones", &[0.3, 0.0]);
-    let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 1e5, 293.0));
-    let at_end = Boundary { position: 0.05, ..boundary };
-    let at = balance::conditions(&chamber, &at_end, end[MASS], end[ENERGY]);
-    let core = end[OWN + effects::STATE_OFFSETS[index]];
+    let chamber = chamber.with(GasZones::PLACE, &[0.3, 0.0]);
+    let Second { end, at, .. } = a_second(&chamber, &boundary, 1e5, 293.0);
+    let core = end[OWN + effects::STATE_OFFSETS[GasZones::PLACE]];
     assert!((core / (293.0 * (at.pressure / 1e5).powf(0.4 / 1.4)) - 1.0).abs() < 1e-9);
     assert!(core > at.temperature + 20.0);
 }
@@ -196,10 +182,8 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let tube = 3e-6;
-    let chamber = with_effect(chamber, "tube_volume", &[tube]);
-    let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
-    let at = balance::conditions(&chamber, &Boundary { position: 0.05, ..boundary }, end[MASS], end[ENERGY]);
+    let chamber = chamber.with(TubeVolume::PLACE, &[tube]);
+    let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let stored = tube / (287.0 * 293.0) * (at.pressure - 1e5);
     assert!(((initial[MASS] - end[MASS]) / stored - 1.0).abs() < 1e-8);
 }
@@ -208,10 +192,9 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
 fn a_leak_fills_an_evacuated_chamber_up_to_ambient_pressure_and_no_further() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = with_effect(chamber, "leakage", &[3e-9]);
+    let chamber = chamber.with(Leakage::PLACE, &[3e-9]);
     for start in [0.3e5, 3e5] {
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
-        let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+        let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 1.013e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
     }
 }
@@ -225,7 +208,7 @@ fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_c
     let tight = balance::rates(EffectSet::NONE, &chamber, &vacuum, &state);
     assert_eq!(tight, balance::rates(EffectSet::NONE, &chamber, &boundary, &state));
 
-    let chamber = with_effect(chamber, "leakage", &[3e-9]);
+    let chamber = chamber.with(Leakage::PLACE, &[3e-9]);
     let choked = 3e-9 * 2e5 * 1.185 * (293.15f64 / 293.0).sqrt();
     let leaking = balance::rates(chamber.active(), &chamber, &vacuum, &state);
     assert!((leaking[MASS] / -choked - 1.0).abs() < 1e-12, "{leaking:?}");
@@ -242,7 +225,7 @@ fn a_surface_beside_the_area_law_s_exchanges_heat_like_it_and_never_gives_a_nega
     let (chamber, boundary) = section_31();
     let state = balance::state_at(&chamber, &boundary, 2e5, 340.0);
     let heat = |extra: f64| {
-        let chamber = with_effect(chamber, "dead_volume_surface", &[extra]);
+        let chamber = chamber.with(DeadVolumeSurface::PLACE, &[extra]);
         balance::evaluate(chamber.active(), &chamber, &boundary, &state).1.heat_flow
     };
     let of_law = chamber.geometry.heat_transfer_area(chamber.geometry.volume(boundary.position));
@@ -255,14 +238,13 @@ fn a_surface_beside_the_area_law_s_exchanges_heat_like_it_and_never_gives_a_nega
 fn gas_in_a_warm_wall_begins_and_stays_at_rest_at_the_wall_s_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = with_effect(chamber, "warm_wall", &[15.0]);
-    let rest = effects::rest_temperature(&chamber.effects, boundary.ambient_temperature);
+    let chamber = chamber.with(WarmWall::PLACE, &[15.0]);
+    let rest = chamber.effects.rest_temperature(boundary.ambient_temperature);
     assert_eq!(rest, 308.0);
     let at_rest =
         balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, 2e5, rest));
     assert!(at_rest[MASS] == 0.0 && at_rest[ENERGY].abs() < 1e-12, "{at_rest:?}");
-    let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 293.0));
-    assert!(balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]).temperature > 300.0);
+    assert!(a_second(&chamber, &boundary, 2e5, 293.0).at.temperature > 300.0);
 }
 
 #[test]
@@ -271,9 +253,8 @@ fn a_gas_of_varying_heat_capacity_keeps_its_entropy_in_an_adiabatic_stroke() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.07, ..boundary };
     for [slope, c] in [[1.4e-3, 0.0], [1.2e-4, 0.0], [-4e-4, 0.0], [6e-5, 5e-7], [1.4e-3, -1.4e-6], [0.0, 3e-6]] {
-        let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, c]));
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, 2e5, 310.0));
-        let at = balance::conditions(&chamber, &Boundary { position: 0.03, ..boundary }, end[MASS], end[ENERGY]);
+        let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
+        let Second { at, .. } = a_second(&chamber, &boundary, 2e5, 310.0);
         let volumes = chamber.geometry.volume(0.03) / chamber.geometry.volume(0.1);
         let [logarithm, linear, square] = [1.0 - 293.0 * slope + 293.0 * 293.0 * c, slope - 2.0 * 293.0 * c, 0.5 * c];
         let t = at.temperature;
@@ -289,12 +270,10 @@ fn gas_that_enters_brings_the_enthalpy_of_its_own_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, mass_flow_in: 3e-5, temperature_in: 390.0, ..boundary };
     let (slope, c) = (1.4e-3, -1.4e-6);
-    let chamber = adiabatic(with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, c]));
-    let initial = balance::state_at(&chamber, &boundary, 1e5, 293.0);
-    let end = after_a_second(&chamber, &boundary, initial);
+    let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
+    let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let square = |t: f64| t * t * t / 3.0 - 293.0 * t * t + 293.0 * 293.0 * t;
     let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t) + c * square(t));
-    let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
     let [gained, brought] = [
         end[MASS] * u(at.temperature) - initial[MASS] * u(293.0),
         (end[MASS] - initial[MASS]) * (u(390.0) + 287.0 * 390.0),
@@ -308,7 +287,7 @@ proptest! {
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 260.0..400.0f64, slope in -4e-4..2e-3f64,
         curvature in -1.4e-6..4e-6f64,
     ) {
-        let chamber = with_effect(chamber, "temperature_dependent_heat_capacity", &[slope, curvature]);
+        let chamber = chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, curvature]);
         let set = chamber.active();
         let state = balance::state_at(&chamber, &boundary, p, t);
         let (at, rates, _) = balance::evaluate(set, &chamber, &boundary, &state);
@@ -326,7 +305,7 @@ proptest! {
 #[test]
 fn a_laminar_leak_is_a_linear_one_for_small_differences_and_grows_with_the_mean_pressure() {
     let (chamber, boundary) = section_31();
-    let chamber = with_effect(chamber, "laminar_leakage", &[2e-11]);
+    let chamber = chamber.with(LaminarLeakage::PLACE, &[2e-11]);
     let outside = boundary.ambient_pressure;
     let flow = |p: f64| {
         balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, p, 300.0))[MASS]
@@ -341,10 +320,9 @@ fn a_laminar_leak_is_a_linear_one_for_small_differences_and_grows_with_the_mean_
 fn a_valve_that_leaks_fills_the_chamber_up_to_its_supply_and_no_further() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = with_effect(chamber, "supply_leakage", &[3e-9, 4e5]);
+    let chamber = chamber.with(SupplyLeakage::PLACE, &[3e-9, 4e5]);
     for start in [1e5, 6e5] {
-        let end = after_a_second(&chamber, &boundary, balance::state_at(&chamber, &boundary, start, 293.0));
-        let at = balance::conditions(&chamber, &boundary, end[MASS], end[ENERGY]);
+        let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 4e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
     }
 }

@@ -9,7 +9,7 @@
 mod numbers;
 
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{CHUNK, Failure, Hold, Kernel, Options, Outcome, Scenario, Solver};
+use ensemble::{CHUNK, Failure, Kernel, Options, Outcome, Scenario, Solver};
 use numbers::Numbers;
 use std::fmt::Write;
 use std::path::Path;
@@ -45,7 +45,7 @@ fn sealed() -> Vec<Scenario> {
             let heat_transfer = HeatTransfer::at_paper_reference(r.between(10.0, 60.0));
             let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
             let positions = [r.between(0.1, 0.4), r.between(0.05, 0.1)];
-            Scenario::push(chamber, r.between(1e5, 7e5), positions, 0.04, Hold::Duration(5.04))
+            Scenario::push(chamber, r.between(1e5, 7e5), positions, 0.04, 5.04)
         })
         .collect()
 }
@@ -95,12 +95,10 @@ impl Case {
     fn fill(&mut self) {
         self.rows = sealed();
         for row in &mut self.rows {
+            row.chamber = row.chamber.with_typical(self.set);
             for &(effect, value) in &self.changes {
-                let parameters = row.chamber.effects.of_mut(effect);
-                for (to, parameter) in parameters.iter_mut().zip(effects::CARDS[effect].parameters) {
-                    *to = parameter.typical;
-                }
-                parameters[0] = value.unwrap_or(parameters[0]);
+                let first = &mut row.chamber.effects.of_mut(effect)[0];
+                *first = value.unwrap_or(*first);
             }
             row.mass_flow_in_kg_per_s = if self.flow { 1e-6 } else { 0.0 };
         }

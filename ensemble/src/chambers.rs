@@ -1,6 +1,6 @@
 //! Chambers side by side, one a lane.
 
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{Lanes, WIDTH, put};
 use chamber::balance::Balances;
 use chamber::effects::EffectSet;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
@@ -9,15 +9,9 @@ use pulp::{Arch, Simd, WithSimd};
 /// Puts a chamber's numbers into a lane; those of its effects stay as they are.
 #[inline(always)]
 pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
-    to.gas.gas_constant[lane] = from.gas.gas_constant;
-    to.gas.heat_capacity_ratio[lane] = from.gas.heat_capacity_ratio;
-    to.geometry.bore[lane] = from.geometry.bore;
-    to.geometry.rod_diameter[lane] = from.geometry.rod_diameter;
-    to.geometry.piston_area[lane] = from.geometry.piston_area;
-    to.geometry.dead_volume[lane] = from.geometry.dead_volume;
-    to.heat_transfer.coefficient[lane] = from.heat_transfer.coefficient;
-    to.heat_transfer.reference_pressure[lane] = from.heat_transfer.reference_pressure;
-    to.heat_transfer.reference_temperature[lane] = from.heat_transfer.reference_temperature;
+    put!(to.gas, lane, from.gas; gas_constant, heat_capacity_ratio);
+    put!(to.geometry, lane, from.geometry; bore, rod_diameter, piston_area, dead_volume);
+    put!(to.heat_transfer, lane, from.heat_transfer; coefficient, reference_pressure, reference_temperature);
 }
 
 /// Balances of chambers, one a lane, of one area law: of their effects those that were asked for last.

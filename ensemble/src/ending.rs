@@ -1,15 +1,14 @@
 //! What a test that has been solved gives back, by the temperature of its gas.
 
+use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
-use crate::regression::{Regression, fit};
+use crate::regression::{Regression, Regressions, fit};
 use crate::scenario::Scenario;
 
 /// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.
 pub struct Ending<'a> {
     /// What was pushed and held, and how.
     pub scenario: &'a Scenario,
-    /// Length of the test, s.
-    pub duration: f64,
     /// Temperature that the wall has at last, K.
     pub wall: f64,
     /// Temperature at the end of the push, K: from there it goes one way.
@@ -33,7 +32,6 @@ impl Ending<'_> {
     #[inline]
     pub fn outcome(&self) -> Outcome {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
-        let positions = [s.initial_position_m, s.final_position_m];
         let peak = s.peak([pushed, end]);
         let to_be_lost = self.relative_rate.map_or(end - self.wall, |rate| to_be_lost(end - self.wall, -end * rate));
         let (to_come, distance) = (to_be_lost.abs(), (peak - end).abs());
@@ -45,14 +43,40 @@ impl Ending<'_> {
             temperature_final_k: end,
             temperature_peak_k: peak,
             // A record that peaks at its end has no relaxation to describe.
-            fit: (self.regression.filter(|_| peak == pushed))
-                .and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            fit: self.regression.filter(|_| peak == pushed).and_then(|found| fit::steps(s, found)),
             settling_time_s,
             flows_on,
             energy_error: 0.0,
-            duration_s: self.duration,
+            duration_s: s.duration_s,
             exact: true,
             status: Ok(()),
+        }
+    }
+}
+
+/// How holds of closed chambers have ended, one a lane: see [`Ending`].
+pub struct HoldsEnded {
+    pub wall: Lanes,
+    pub pushed: Lanes,
+    pub end: Lanes,
+    pub pressure_per_temperature: Lanes,
+    pub settling: Lanes,
+    pub regressions: Option<Regressions>,
+}
+
+impl HoldsEnded {
+    /// How the test of a lane has ended.
+    pub fn ending<'a>(&self, lane: usize, scenario: &'a Scenario) -> Ending<'a> {
+        Ending {
+            scenario,
+            wall: self.wall[lane],
+            pushed: self.pushed[lane],
+            end: self.end[lane],
+            pressure_per_temperature: self.pressure_per_temperature[lane],
+            settling: self.settling[lane],
+            flowing: 0.0,
+            relative_rate: None,
+            regression: self.regressions.as_ref().and_then(|found| found.lane(lane)),
         }
     }
 }
@@ -62,8 +86,6 @@ impl Ending<'_> {
 pub struct AfterPush {
     /// Number of the test.
     pub row: u32,
-    /// Length of the test, s.
-    pub duration: f64,
     /// About how many relaxations the hold takes.
     pub relaxations: f64,
     /// Mass, kg.

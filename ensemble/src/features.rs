@@ -8,9 +8,6 @@ use crate::sets;
 use chamber::AreaLaw;
 use chamber::effects::{self, EffectSet};
 
-/// A row whose numbers are checked, and its duration, s.
-pub type Timed = (u32, f64);
-
 /// What decides how a row is solved.
 pub struct Features<'a> {
     pub scenario: &'a Scenario,
@@ -19,7 +16,7 @@ pub struct Features<'a> {
     pub of_gas: EffectSet,
     /// The sensor, where the record does not show the gas as it is.
     pub behind: Option<Behind>,
-    /// Whether no gas enters or leaves but by effects, and the piston follows the ramp.
+    /// Whether no gas enters or leaves but by effects.
     pub is_sealed: bool,
     pub is_swept: bool,
     /// Whether the integrator is asked for, or closed forms only.

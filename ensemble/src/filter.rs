@@ -41,8 +41,8 @@ impl Sensor {
         if set.is_empty() {
             return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
         }
-        let shown = |time| effects::reading(set, values, &[0.0; OWN_STATES], 0.0, time);
-        Self { lag: effects::lag(set, values), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
+        let shown = |time| values.reading(set, &[0.0; OWN_STATES], 0.0, time);
+        Self { lag: values.lag(set), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
     }
 
     /// What it shows of a reading, Pa, after so many seconds of the record.
@@ -63,7 +63,7 @@ pub struct Behind {
 impl Behind {
     /// That of a chamber, with the effects of a set.
     pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        Self { sensor: Sensor::new(set, values), delay: effects::delay(set, values) }
+        Self { sensor: Sensor::new(set, values), delay: values.delay(set) }
     }
 
     /// Whether the record shows what was before its time.
@@ -196,6 +196,7 @@ impl<R: Real> Lagged<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::gauss::{NODES, node};
     use proptest::prelude::*;
 
     proptest! {
@@ -219,14 +220,9 @@ mod tests {
                 let (mut y, step) = (begin, x / parts);
                 for part in 0..parts as usize {
                     let at = part as f64 * step;
-                    const NODES: [(f64, f64); 8] = [
-                        (0.019_855_071_751_231_884, 0.050_614_268_145_188_13), (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
-                        (0.237_233_795_041_835_5, 0.156_853_322_938_943_64), (0.408_282_678_752_175_1, 0.181_341_891_689_181),
-                        (0.591_717_321_247_825, 0.181_341_891_689_181), (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
-                        (0.898_333_238_706_813_4, 0.111_190_517_226_687_24), (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
-                    ];
                     let w = stiffness * step;
-                    let fed: f64 = NODES.iter().map(|(u, weight)| weight * w * (-w * (1.0 - u)).exp() * pressure(at + u * step)).sum();
+                    let nodes = (0..NODES).map(node);
+                    let fed: f64 = nodes.map(|(u, weight)| weight * w * (-w * (1.0 - u)).exp() * pressure(at + u * step)).sum();
                     y = y * (-w).exp() + fed;
                 }
                 y

@@ -58,7 +58,7 @@ pub use general::compiled::has_code_of_its_own;
 pub use instructions::InstructionSet;
 pub use outcome::{Failure, Fit, Outcome};
 pub use regression::samples::SAMPLE_RATE_HZ;
-pub use scenario::{Hold, Options, Scenario, Solver};
+pub use scenario::{Options, Scenario, Solver};
 
 use chamber::effects::EffectSet;
 use pulp::Arch;

@@ -131,9 +131,6 @@ pub enum Failure {
     /// The test is over before the push.
     #[error("the test ends before the push does")]
     EndsInPush,
-    /// The times of the mass flow profile do not increase.
-    #[error("the profile's times must start at zero and increase")]
-    ProfileTimes,
     /// Effects are active that the batch was not told of.
     #[error("an effect is active that the batch does not include")]
     EffectNotInSet,

@@ -11,7 +11,7 @@ use crate::regression::{Guess, RecordPart, Records};
 use crate::scenario::{Options, Scenario, lets_gas_pass};
 use chamber::Chamber;
 use chamber::balance::{self, ENERGY, MASS, OWN, STATES};
-use chamber::effects::{self, EffectSet};
+use chamber::effects::EffectSet;
 use chamber::integrate::{Dense, IntegrationError, Integrator};
 use chamber::simulate::tolerance;
 
@@ -41,7 +41,7 @@ impl Run<'_> {
     fn shown(&self, stretch: &Stretch, local: f64, state: &[f64; STATES], t: f64) -> (f64, f64) {
         let at = balance::conditions(self.chamber, &stretch.boundary(local), state[MASS], state[ENERGY]);
         let own = core::array::from_fn(|i| state[OWN + i]);
-        let shown = effects::reading(self.set, &self.chamber.effects, &own, at.pressure, t + self.plan.delay);
+        let shown = self.chamber.effects.reading(self.set, &own, at.pressure, t + self.plan.delay);
         (shown, at.temperature)
     }
 
@@ -130,12 +130,12 @@ fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Out
     let peak = sign * run.extreme(plan.window, sign, |v| v.0).map_or(at_edges, |p| (sign * p).max(at_edges));
     let temperature_peak = run.extreme([plan.hold, usize::MAX], sign, |v| v.1).ok_or(Failure::EndsInPush)?;
     let gas_final = integrator.state[ENERGY] * (chamber.gas.heat_capacity_ratio - 1.0)
-        / chamber.geometry.volume(plan.stretches[plan.stretches.len() - 1].boundary(0.0).position);
-    let ambient = plan.stretches[plan.stretches.len() - 1].boundary(plan.stretches[plan.stretches.len() - 1].length);
-    let rest = effects::rest_temperature(&chamber.effects, ambient.ambient_temperature);
+        / chamber.geometry.volume(scenario.final_position_m);
+    let rest = chamber.effects.rest_temperature(scenario.ambient_temperature_k);
     let (sensor, bends) = (Sensor::new(set, &chamber.effects), Bends::new(set, &chamber.effects));
     let hold = plan.duration - plan.push_end;
-    let rates = balance::rates(set, chamber, &ambient, &integrator.state);
+    let at_end = plan.stretches[plan.stretches.len() - 1].boundary(0.0);
+    let rates = balance::rates(set, chamber, &at_end, &integrator.state);
     let [inflow, pressure_rate] = [MASS, ENERGY].map(|of| rates[of] / integrator.state[of]);
     let to_be_lost = to_be_lost(gas_final * (1.0 - rest / temperature_final), -gas_final * pressure_rate * hold);
     let reading = sensor.shown(gas_final, plan.duration);
@@ -203,8 +203,7 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<crate::outcome:
         let samples = Samples { first: (time * SAMPLE_RATE_HZ).round(), count: 1.0 };
         records.add(0, RecordPart { samples, pressure: [*pressure; POINTS] });
     }
-    let end = plan.stretches.last()?.boundary(0.0).position;
-    let volume = scenario.chamber.geometry.volume(end);
+    let volume = scenario.chamber.geometry.volume(scenario.final_position_m);
     let closed = chamber::exact::Closed::filled(
         &scenario.chamber,
         record.last()?.1,
@@ -214,5 +213,5 @@ fn evaluate(run: &Run, scenario: &Scenario, sign: f64) -> Option<crate::outcome:
     );
     let guess = Guess::TimeConstant(Lanes::from(1.0 / closed.rate(volume)));
     let regression = records.fit(pulp::Arch::new(), guess).lane(0)?;
-    fit::steps(scenario, [plan.stretches[0].position, end], scenario.initial_pressure_pa, regression)
+    fit::steps(scenario, regression)
 }

@@ -4,17 +4,6 @@ use crate::sets;
 use chamber::Chamber;
 use chamber::card::Balance;
 use chamber::effects::{self, EffectSet};
-use chamber::signals::Knot;
-use std::sync::Arc;
-
-/// How long a test lasts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hold {
-    /// Until this time after the start of the push, s.
-    Duration(f64),
-    /// This many times τ_f = m cv/(λ(Pf, Tamb) Aq) after the end of the push.
-    TimeConstants(f64),
-}
 
 /// The paper's push-and-hold test of one chamber: the piston moves linearly from one position to another, then rests.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +18,8 @@ pub struct Scenario {
     pub final_position_m: f64,
     /// Duration of the push, s.
     pub push_time_s: f64,
-    /// When the test ends.
-    pub hold: Hold,
+    /// Length of the test, from the start of the push to the end of the hold, s.
+    pub duration_s: f64,
     /// Gas temperature before the push, K.
     pub initial_temperature_k: f64,
     /// Temperature of the surroundings, K.
@@ -43,9 +32,6 @@ pub struct Scenario {
     pub temperature_in_k: f64,
     /// Constant mass flow out of the chamber, kg/s, at the gas's temperature.
     pub mass_flow_out_kg_per_s: f64,
-    /// A stroke and flow of one's own in place of the ramp: times from zero, linear in between, the last knot held.
-    /// Its flows (at ambient temperature when they enter) are added to the constant ones; its last moving stretch is the push.
-    pub profile: Option<Arc<[Knot]>>,
 }
 
 impl Scenario {
@@ -55,7 +41,7 @@ impl Scenario {
         initial_pressure_pa: f64,
         positions_m: [f64; 2],
         push_time_s: f64,
-        hold: Hold,
+        duration_s: f64,
     ) -> Self {
         const AMBIENT_TEMPERATURE_K: f64 = 293.0;
         Self {
@@ -64,30 +50,35 @@ impl Scenario {
             initial_position_m: positions_m[0],
             final_position_m: positions_m[1],
             push_time_s,
-            hold,
+            duration_s,
             initial_temperature_k: AMBIENT_TEMPERATURE_K,
             ambient_temperature_k: AMBIENT_TEMPERATURE_K,
             ambient_pressure_pa: 101_325.0,
             mass_flow_in_kg_per_s: 0.0,
             temperature_in_k: AMBIENT_TEMPERATURE_K,
             mass_flow_out_kg_per_s: 0.0,
-            profile: None,
         }
     }
 
-    /// Whether the piston leaves more gas volume than it found, along no profile.
+    /// Whether the piston leaves more gas volume than it found.
     #[inline]
     pub(crate) fn expands(&self) -> bool {
         self.final_position_m > self.initial_position_m
     }
 
-    /// Whether no gas enters or leaves but by effects, and the piston follows the ramp.
+    /// Length of the hold, s.
     #[inline]
-    pub(crate) fn is_sealed(&self) -> bool {
-        self.mass_flow_in_kg_per_s == 0.0 && self.mass_flow_out_kg_per_s == 0.0 && self.profile.is_none()
+    pub(crate) fn hold_s(&self) -> f64 {
+        self.duration_s - self.push_time_s
     }
 
-    /// The larger of two values, of an expansion along no profile the smaller.
+    /// Whether no gas enters or leaves but by effects.
+    #[inline]
+    pub(crate) fn is_sealed(&self) -> bool {
+        self.mass_flow_in_kg_per_s == 0.0 && self.mass_flow_out_kg_per_s == 0.0
+    }
+
+    /// The larger of two values, of an expansion the smaller.
     #[inline]
     pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
         if self.expands() { a.min(b) } else { a.max(b) }
@@ -97,14 +88,13 @@ impl Scenario {
 /// Whether gas may enter or leave a test's chamber with these active effects. What passes to a tube and back stays gas of the test.
 pub fn lets_gas_pass(active: EffectSet, s: &Scenario) -> bool {
     let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
-    let is_fed = s.mass_flow_in_kg_per_s > 0.0 || s.mass_flow_out_kg_per_s > 0.0 || s.profile.is_some();
-    is_fed || sets::on_the_gas(active).iter().any(passes)
+    !s.is_sealed() || sets::on_the_gas(active).iter().any(passes)
 }
 
 /// How a batch is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// The exact solution where it applies (no flow, no profile, no effect but those that keep it), the integrator elsewhere.
+    /// The exact solution where it applies (no flow, no effect but those that keep it), the integrator elsewhere.
     #[default]
     Auto,
     /// The exact solution only; where it does not apply the row fails and says so.

@@ -50,8 +50,7 @@ impl Ways {
             return self.general.add(row, set, features);
         };
         plan::check(set, features.active, features.scenario)?;
-        let (_, duration) = plan::times(features.scenario)?;
-        rows.push((row, duration));
+        rows.push(row);
         Ok(())
     }
 }

@@ -5,28 +5,17 @@ mod any;
 
 use any::{any_boundary, any_chamber};
 use chamber::balance::{self, Boundary, STATES};
-use chamber::effects::{self, EffectValues};
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer};
+use chamber::effects::Leakage;
+use chamber::{AreaLaw, EffectSet, paper};
 use ensemble::lanes::Lanes;
 use proptest::prelude::*;
-
-/// Every parameter of every effect at its typical value.
-fn all_effects_on() -> EffectValues {
-    let mut values = EffectValues::NEUTRAL;
-    for (index, card) in effects::all() {
-        for (value, parameter) in values.of_mut(index).iter_mut().zip(card.parameters) {
-            *value = parameter.typical;
-        }
-    }
-    values
-}
 
 proptest! {
     #[test]
     fn lanes_give_the_rates_of_plain_numbers_with_all_effects_on(
         chamber in any_chamber(), boundary in any_boundary(), p in 1.1e5..8e5f64, t in 300.0..420.0f64,
     ) {
-        let chamber = Chamber { effects: all_effects_on(), ..chamber };
+        let chamber = chamber.with_typical(EffectSet::ALL);
         let state = balance::state_at(&chamber, &boundary, p, t);
         let plain = balance::rates(EffectSet::ALL, &chamber, &boundary, &state);
         let lanes = balance::rates(EffectSet::ALL, &chamber.lift(), &boundary.lift(), &state.map(Lanes::from));
@@ -40,9 +29,7 @@ proptest! {
 
 #[test]
 fn a_leak_into_surroundings_without_pressure_chokes_in_lanes_as_in_plain_numbers() {
-    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    chamber.effects.of_mut(effects::Leakage::PLACE)[0] = 3e-9;
+    let chamber = paper::section_31(AreaLaw::Total).with(Leakage::PLACE, &[3e-9]);
     let vacuum = Boundary { ambient_pressure: 0.0, ..Boundary::closed(0.1, 293.0, 1e5) };
     let state = balance::state_at(&chamber, &vacuum, 2e5, 293.0);
     let plain = balance::rates(chamber.active(), &chamber, &vacuum, &state);

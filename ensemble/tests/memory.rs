@@ -6,7 +6,7 @@
 #![cfg(unix)]
 
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{CHUNK, Failure, Hold, Kernel, Options, Outcome, Scenario};
+use ensemble::{CHUNK, Failure, Kernel, Options, Outcome, Scenario};
 use std::process::Command;
 
 const ROWS: &str = "PNEUTHERM_ROWS";
@@ -27,7 +27,7 @@ fn in_little_memory(test: &str) {
 fn test(row: usize) -> Scenario {
     let geometry = Geometry::new(0.02 + 1e-5 * (row % 1000) as f64, 0.0, 2e-6, AreaLaw::Total);
     let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    let mut scenario = Scenario::push(chamber, 1.2e5, [0.1, 0.05], 0.04, Hold::Duration(10.0));
+    let mut scenario = Scenario::push(chamber, 1.2e5, [0.1, 0.05], 0.04, 10.0);
     scenario.mass_flow_in_kg_per_s = 1e-8 * (1 + row % 100) as f64;
     scenario
 }

@@ -70,7 +70,7 @@ struct Passing<'a, R> {
 
 impl<'a, R: Scalar> Passing<'a, R> {
     fn new(course: &'a Course, chamber: &'a Chamber<R>, set: EffectSet, correction: Correction<R>) -> Self {
-        let numbers = [effects::stroke_window, effects::stroke_filter].map(|of| of(set, &chamber.effects));
+        let numbers = [chamber.effects.stroke_window(set), chamber.effects.stroke_filter(set)];
         let changes = numbers.map(|number| number - number.value());
         let [window_s, filter_s] = numbers.map(|number| number.value().max(0.0));
         let stroke = TrueStroke::new(&course.motion, window_s, filter_s, !changes[0].is_zero());
@@ -306,11 +306,11 @@ impl<R: Scalar> Run<'_, R> {
             instructions.rates(Moving { balances, set: gas_set, balance, isentrope, boundary, state, disturbance })
         };
         // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
-        let late = effects::stroke_delay(set, &chamber.effects) - effects::delay(set, &chamber.effects);
+        let late = chamber.effects.stroke_delay(set) - chamber.effects.delay(set);
         let last = last + late.value().max(0.0);
         let taken = record::follow(inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
             sensor.pass(stretch, until, step, disturbance);
-            on_step(until, step.end()[MASS]);
+            on_step(until, step.end[MASS]);
         })?;
         Ok((sensor.readings.into_taken(), taken))
     }
@@ -340,9 +340,9 @@ impl<'a, R: Scalar> Sensor<'a, R> {
         pressure: R,
     ) -> Self {
         let chamber = &balance.chamber;
-        let lag = Some(effects::lag(set, &chamber.effects)).filter(|constant| constant.value() > 0.0);
+        let lag = Some(chamber.effects.lag(set)).filter(|constant| constant.value() > 0.0);
         let behind_lag = set.without(SensorLag::SET);
-        let lead = effects::stroke_delay(set, &chamber.effects);
+        let lead = chamber.effects.stroke_delay(set);
         let mut readings = Readings::new(chamber, behind_lag, times, inputs.begin()).ahead(lead);
         let lagged = (lag.is_none() || inputs.course.motion.starts_at_rest()).then_some(pressure);
         if lagged.is_some() {

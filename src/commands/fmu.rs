@@ -182,8 +182,7 @@ fn starts(model: &Model) -> Starts {
     real[parameter::ROD_DIAMETER] = model.chamber.geometry.rod_diameter;
     real[parameter::DEAD_VOLUME] = chamber.geometry.dead_volume;
     real[parameter::INITIAL_PRESSURE] = model.ambient_pressure_pa;
-    real[parameter::INITIAL_TEMPERATURE] =
-        chamber::effects::rest_temperature(&chamber.effects, model.ambient_temperature_k);
+    real[parameter::INITIAL_TEMPERATURE] = chamber.effects.rest_temperature(model.ambient_temperature_k);
     real[parameter::LAMBDA0] = chamber.heat_transfer.coefficient;
     real[parameter::REFERENCE_PRESSURE] = chamber.heat_transfer.reference_pressure;
     real[parameter::REFERENCE_TEMPERATURE] = chamber.heat_transfer.reference_temperature;

@@ -21,7 +21,7 @@ use chamber::balance::Boundary;
 use chamber::integrate::IntegrationError;
 use chamber::record::Inputs;
 use chamber::simulate::{Sample, Start, simulate};
-use ensemble::{Hold, Scenario};
+use ensemble::Scenario;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -186,17 +186,9 @@ fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> 
     }))
 }
 
-/// Length of a test, s.
-fn duration(scenario: &Scenario) -> f64 {
-    match scenario.hold {
-        Hold::Duration(duration) => duration,
-        Hold::TimeConstants(n) => scenario.push_time_s + n * row::final_time_constant(scenario),
-    }
-}
-
 /// How many samples a row's trace has.
 fn samples_of(row: u64, scenario: &Scenario, rate_hz: f64) -> Result<usize, Error> {
-    let samples = duration(scenario) * rate_hz + 2.0;
+    let samples = scenario.duration_s * rate_hz + 2.0;
     if samples > MOST {
         let message =
             format!("the trace of row {row} would have {samples:.0} samples, more than {MOST}: ask for a lower rate");
@@ -292,7 +284,7 @@ impl Inputs<f64> for Motion<'_> {
 /// # Errors
 /// The equations cannot be followed to the end.
 pub fn trace(scenario: &Scenario, rate_hz: f64, relative_tolerance: f64) -> Result<Vec<Sample>, IntegrationError> {
-    let (chamber, end) = (&scenario.chamber, duration(scenario));
+    let (chamber, end) = (&scenario.chamber, scenario.duration_s);
     let count = (end * rate_hz * (1.0 - 1e-12)) as usize;
     let times: Vec<f64> = (0..=count).map(|k| k as f64 / rate_hz).chain([end]).collect();
     let start = Start { pressure: scenario.initial_pressure_pa, temperature: scenario.initial_temperature_k };

@@ -5,7 +5,7 @@ use crate::options;
 use crate::scenario::{AMBIENT_TEMPERATURE_K, Answer, Case, EFFECTS};
 use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
-use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
+use ensemble::{Failure, Options, Outcome, Scenario, Solver};
 use rayon::prelude::*;
 
 /// Rows that one thread takes at a time, as in `sweep`.
@@ -42,8 +42,8 @@ fn scenario(case: &Case) -> Scenario {
     }
     chamber.effects = values;
     let positions = [case.initial_stroke_m, case.final_stroke_m];
-    let hold = Hold::Duration(case.duration_s);
-    let mut scenario = Scenario::push(chamber, case.initial_pressure_pa, positions, case.push_time_s, hold);
+    let (pressure, push, duration) = (case.initial_pressure_pa, case.push_time_s, case.duration_s);
+    let mut scenario = Scenario::push(chamber, pressure, positions, push, duration);
     scenario.initial_temperature_k = AMBIENT_TEMPERATURE_K;
     scenario.ambient_temperature_k = AMBIENT_TEMPERATURE_K;
     scenario.temperature_in_k = AMBIENT_TEMPERATURE_K;

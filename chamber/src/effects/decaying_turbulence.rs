@@ -27,7 +27,6 @@ impl Effect for DecayingTurbulence {
                 name: "coefficient",
                 unit: Unit::SecondPerMetre,
                 bounds: 0.0..=1e3,
-                neutral: 0.0,
                 typical: 2.0,
                 doc: "Coefficient k of the turbulence's share in the heat transfer coefficient",
                 ..Parameter::DEFAULT
@@ -76,10 +75,10 @@ impl Effect for DecayingTurbulence {
 #[cfg(test)]
 mod tests {
     use super::DecayingTurbulence;
-    use crate::effects::EffectSet;
+    use crate::paper::section_31;
     use crate::signals::Signals;
     use crate::simulate::{Start, simulate};
-    use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+    use crate::{AreaLaw, Chamber};
 
     const AMBIENT_K: f64 = 293.0;
 
@@ -93,12 +92,9 @@ mod tests {
     #[test]
     fn a_hold_is_that_of_calm_gas_by_a_clock_that_the_turbulence_sets_forward() {
         let (coefficient, decay_s, push_s, speed) = (3.0, 0.4, 0.1, 0.5);
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let calm = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        let mut stirred = calm;
-        let index = DecayingTurbulence::PLACE;
-        stirred.effects.of_mut(index).copy_from_slice(&[coefficient, decay_s]);
-        assert_eq!(stirred.active(), EffectSet::one(index));
+        let calm = section_31(AreaLaw::Total);
+        let stirred = calm.with(DecayingTurbulence::PLACE, &[coefficient, decay_s]);
+        assert_eq!(stirred.active(), DecayingTurbulence::SET);
         let end_m = 0.1 - speed * push_s;
         let held_s = [0.0, 0.05, 0.3, 1.0, 3.0];
         let start = Start { pressure: 2e5, temperature: AMBIENT_K };

@@ -27,7 +27,6 @@ impl Effect for ForcedConvection {
             name: "coefficient",
             unit: Unit::SpeedPower,
             bounds: 0.0..=1e3,
-            neutral: 0.0,
             typical: 1.0,
             doc: "Coefficient k of the speed's share in the heat transfer coefficient",
             ..Parameter::DEFAULT

@@ -22,9 +22,7 @@ impl Effect for GasColumnLength {
         parameters: &[
             Parameter {
                 name: "exponent",
-                unit: Unit::One,
                 bounds: -3.0..=3.0,
-                neutral: 0.0,
                 typical: -0.5,
                 doc: "Exponent a of the gas column's length in the heat transfer coefficient; -1/2 by theory",
                 ..Parameter::DEFAULT

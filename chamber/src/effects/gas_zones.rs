@@ -24,9 +24,7 @@ impl Effect for GasZones {
         parameters: &[
             Parameter {
                 name: "mass_fraction",
-                unit: Unit::One,
                 bounds: 0.0..=0.95,
-                neutral: 0.0,
                 typical: 0.25,
                 doc: "Mass fraction z of the gas that does not touch the wall; zero means one zone",
                 ..Parameter::DEFAULT
@@ -35,7 +33,6 @@ impl Effect for GasZones {
                 name: "conductance",
                 unit: Unit::WattPerKelvin,
                 bounds: 0.0..=1e6,
-                neutral: 0.0,
                 typical: 0.03,
                 doc: "Conductance H between the zones; of no influence while the mass fraction is zero",
                 ..Parameter::DEFAULT

@@ -6,7 +6,7 @@
 //! T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air (times 287/R for another gas). Source: ISO 6358-1:2013.
 
 use super::nearer;
-use crate::card::{Fitted, Normal, Parameter, Prior, Unit};
+use crate::card::{Fitted, Normal, Parameter, Prior};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows};
 use crate::real::Real;
@@ -23,7 +23,6 @@ const STEEPER_ABOVE: f64 = 0.99;
 /// The critical pressure ratio b as every leak declares it.
 pub const CRITICAL_RATIO: Parameter = Parameter {
     name: "critical_pressure_ratio",
-    unit: Unit::One,
     bounds: 0.0..=0.9,
     neutral: 0.3,
     typical: 0.3,

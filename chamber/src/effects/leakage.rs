@@ -26,7 +26,6 @@ impl Effect for Leakage {
                 name: "conductance",
                 unit: Unit::SonicConductance,
                 bounds: 0.0..=1e-7,
-                neutral: 0.0,
                 typical: 1e-12,
                 doc: "Sonic conductance C of the leak; zero means a tight chamber",
                 ..Parameter::DEFAULT

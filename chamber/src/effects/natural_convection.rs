@@ -4,7 +4,7 @@
 //! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
-use crate::card::{Balance, Card, Parameter, Unit};
+use crate::card::{Balance, Card, Parameter};
 use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
@@ -25,9 +25,7 @@ impl Effect for NaturalConvection {
         balance: Balance::Energy,
         parameters: &[Parameter {
             name: "exponent",
-            unit: Unit::One,
             bounds: -0.5..=2.0,
-            neutral: 0.0,
             typical: 0.25,
             doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
             ..Parameter::DEFAULT

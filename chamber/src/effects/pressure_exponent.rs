@@ -4,7 +4,7 @@
 //! Source: exponents between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::card::{Balance, Card, Fitted, Parameter, Unit};
+use crate::card::{Balance, Card, Fitted, Parameter};
 use crate::parts::Conditions;
 use crate::real::Real;
 
@@ -21,7 +21,6 @@ impl Effect for PressureExponent {
         parameters: &[
             Parameter {
                 name: "pressure_exponent",
-                unit: Unit::One,
                 bounds: -2.0..=3.0,
                 neutral: 0.5,
                 typical: 0.4,
@@ -30,7 +29,6 @@ impl Effect for PressureExponent {
             },
             Parameter {
                 name: "temperature_exponent",
-                unit: Unit::One,
                 bounds: -5.0..=5.0,
                 neutral: 0.5,
                 typical: 0.5,

@@ -23,7 +23,6 @@ impl Effect for RecordDelay {
             name: "delay",
             unit: Unit::Second,
             bounds: 0.0..=10.0,
-            neutral: 0.0,
             typical: 0.01,
             doc: "Delay of the recorded pressure behind the gas's",
             ..Parameter::DEFAULT

@@ -23,7 +23,6 @@ impl Effect for SensorDrift {
             name: "rate",
             unit: Unit::PascalPerSecond,
             bounds: -1e6..=1e6,
-            neutral: 0.0,
             typical: 50.0,
             doc: "Rate of the drift, counted from the start of the record",
             ..Parameter::DEFAULT

@@ -23,7 +23,6 @@ impl Effect for SensorLag {
             name: "time_constant",
             unit: Unit::Second,
             bounds: 0.0..=100.0,
-            neutral: 0.0,
             typical: 0.01,
             doc: "Time constant of the pressure sensor; zero means an instantaneous sensor",
             ..Parameter::DEFAULT

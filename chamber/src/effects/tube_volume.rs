@@ -25,7 +25,6 @@ impl Effect for TubeVolume {
             name: "volume",
             unit: Unit::CubicMetre,
             bounds: 0.0..=1.0,
-            neutral: 0.0,
             typical: 1e-6,
             doc: "Volume Vt of the tube and fittings whose gas is at ambient temperature",
             ..Parameter::DEFAULT

@@ -46,6 +46,20 @@ impl EffectValues<f64> {
         self
     }
 
+    /// The same with the effects in `set` at their typical values.
+    pub fn with_typical(mut self, set: EffectSet) -> Self {
+        for place in set.iter() {
+            self.of_mut(place).iter_mut().zip(CARDS[place].parameters).for_each(|(to, p)| *to = p.typical);
+        }
+        self
+    }
+
+    /// The same with an effect, by its place in the list, whose first parameters are these.
+    pub fn with(mut self, index: usize, first: &[f64]) -> Self {
+        self.of_mut(index)[..first.len()].copy_from_slice(first);
+        self
+    }
+
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {
         // Without branches, as kernels ask this of every row.

@@ -32,7 +32,6 @@ impl Effect for WallHeating {
                 name: "capacity",
                 unit: Unit::JoulePerKelvin,
                 bounds: 0.0..=1e9,
-                neutral: 0.0,
                 typical: 1.0,
                 doc: "Heat capacity C_w of the wall that takes part; zero holds the wall at ambient temperature",
                 ..Parameter::DEFAULT
@@ -41,7 +40,6 @@ impl Effect for WallHeating {
                 name: "outer_conductance",
                 unit: Unit::WattPerKelvin,
                 bounds: 0.0..=1e6,
-                neutral: 0.0,
                 typical: 0.05,
                 doc: "Conductance G from the wall to the surroundings; of no influence while the capacity is zero",
                 ..Parameter::DEFAULT

@@ -13,20 +13,14 @@ use crate::lanes::Lanes;
 use crate::numerics::gauss::{Mirrored, NODES, RULE, node};
 use chamber::balance::{Balances, Boundary, Conditions, Contents};
 use chamber::card::ClosedForm;
-use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::effects::{EffectSet, OWN_STATES};
+use chamber::effects_where;
 use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// Effects that keep the closed form.
-pub const EFFECTS: EffectSet = {
-    let (mut bits, mut effect) = (0, 0);
-    while effect < effects::COUNT {
-        bits |= (matches!(effects::CARDS[effect].closed_form, ClosedForm::Kept) as u32) << effect;
-        effect += 1;
-    }
-    EffectSet::from_bits(bits)
-};
+pub const EFFECTS: EffectSet = effects_where!(card => matches!(card.closed_form, ClosedForm::Kept));
 
 /// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +64,7 @@ impl<'a> Exchange<'a> {
     fn conditions(&self, volume: Lanes) -> Conditions<Lanes> {
         let contents = Contents::new(Lanes::from(1e-3), Lanes::from(1e2), volume);
         let mut at = self.balance.conditions(self.set, &self.boundary, &contents);
-        effects::conditions(self.set, &self.balance.chamber.effects, &[Lanes::ZERO; OWN_STATES], &mut at);
+        self.balance.chamber.effects.conditions(self.set, &[Lanes::ZERO; OWN_STATES], &mut at);
         at
     }
 
@@ -91,21 +85,26 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone.
-pub trait Heat {
+/// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone. What differs is a trait's, not closures:
+/// these would be compiled for any machine.
+pub trait Heat: Sized {
     /// c f A at a volume, m³.
     fn at(&self, volume: Lanes) -> Lanes;
+
+    /// 1/T at the end of one of the equal parts of a ramp, from that at its start.
+    #[inline(always)]
+    fn end(&self, part: &RampPart, inverse: Lanes) -> Lanes {
+        part.end(self, inverse)
+    }
 }
 
 impl Heat for Exchange<'_> {
     #[inline(always)]
     fn at(&self, volume: Lanes) -> Lanes {
         let at = self.conditions(volume);
-        let Balances { chamber, area, .. } = self.balance;
-        let coefficient = chamber.heat_transfer.coefficient;
-        let coefficient = effects::heat_transfer_factor(self.set, &chamber.effects, &at, coefficient);
-        let of_law = chamber.geometry.wetted_volume(volume) * area[0] + area[1];
-        self.per_coefficient * coefficient * effects::heat_transfer_area(self.set, &chamber.effects, of_law)
+        let chamber = &self.balance.chamber;
+        let coefficient = chamber.effects.heat_transfer_factor(self.set, &at, chamber.heat_transfer.coefficient);
+        self.per_coefficient * coefficient * self.balance.area_of(self.set, volume)
     }
 }
 
@@ -113,6 +112,11 @@ impl Heat for Closed<Lanes> {
     #[inline(always)]
     fn at(&self, volume: Lanes) -> Lanes {
         self.exchange[0] * volume + self.exchange[1]
+    }
+
+    #[inline(always)]
+    fn end(&self, part: &RampPart, inverse: Lanes) -> Lanes {
+        self.ramp_part(inverse, part.root, part.step, part.dwell)
     }
 }
 
@@ -149,7 +153,7 @@ impl RampPart {
 
     /// 1/T at its end, from that at its start.
     #[inline(always)]
-    pub fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
+    fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
         let [mut exchange, mut grown] = [[Lanes::ZERO; NODES]; 2];
         let total = self.along(heat, &mut exchange, &mut grown);
         RULE.up_to_nodes(&Mirrored::new(&grown), &mut grown);

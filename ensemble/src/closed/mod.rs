@@ -6,7 +6,7 @@ mod rows;
 mod test;
 
 use crate::Batch;
-use crate::features::{Features, Timed};
+use crate::features::Features;
 use crate::filter::Behind;
 use crate::outcome::Outcome;
 use crate::plan;
@@ -19,17 +19,18 @@ const KINDS: usize = 3 * 5;
 /// A chunk's rows with closed forms, by kind.
 #[derive(Default)]
 pub struct ClosedRows {
-    lists: [Vec<Timed>; KINDS],
+    lists: [Vec<u32>; KINDS],
     memory: rows::Memory,
 }
 
 impl ClosedRows {
     /// The rows of the kind of such a row, where there is a closed form and it is the quicker way or the only one wanted.
     #[inline]
-    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<Timed>> {
+    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let s = row.scenario;
         // A record that is late by more than the push or the hold shows other parts of the test.
-        let in_time = |b: Behind| plan::times(s).map_or(true, |(push, duration)| b.delay < push.min(duration - push));
+        let shortest = s.push_time_s.min(s.hold_s());
+        let in_time = |b: Behind| plan::check_duration(s).is_err() || b.delay < shortest;
         let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)

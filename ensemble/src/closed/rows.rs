@@ -7,16 +7,16 @@ use crate::chambers::Chambers;
 use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
-use crate::ending::Ending;
-use crate::features::Timed;
+use crate::ending::HoldsEnded;
 use crate::filter::Behind;
+use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
 use crate::numerics::root::Curve;
 use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome};
 use crate::regression::relaxing::{self, ENDS, Relaxing};
-use crate::regression::{Guess, Records, Regression, decay};
+use crate::regression::{Guess, Records, Regressions};
 use crate::scenario::Scenario;
 use chamber::balance::Balances;
 use chamber::effects::EffectSet;
@@ -39,14 +39,13 @@ struct Buffers {
     readings: readings::Memory,
 }
 
-/// Solves checked scenarios: numbers and durations, s. `set` are effects that keep the closed form; where there are any,
+/// Solves checked scenarios by their numbers. `set` are effects that keep the closed form; where there are any,
 /// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
 /// sensors lag or none, and all are delayed or none.
-pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[Timed], out: &mut [Outcome]) {
+pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[u32], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, buffers } = memory;
-    let mut all: Vec<ExactTest> =
-        rows.iter().map(|&(row, duration)| ExactTest::new(row, &scenarios[row as usize], duration)).collect();
+    let mut all: Vec<ExactTest> = rows.iter().map(|&row| ExactTest::new(row, &scenarios[row as usize])).collect();
     if set.is_empty() {
         for test in &mut all {
             let [begin, end] = [test.from, test.to].map(|volume| test.closed.rate(volume));
@@ -57,7 +56,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     }
     // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
     let kind = |test: &ExactTest| {
-        let relaxations = test.rate * (test.duration - test.push);
+        let relaxations = test.rate * test.hold;
         let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
         (test.is_bent, test.parts as u32, of_record)
     };
@@ -81,12 +80,12 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
             solved.readings(arch, buffers, shown, options.fit, scenario)
         };
         for (lane, &test) in order.iter().enumerate() {
-            let ExactTest { row, duration, .. } = all[test as usize];
+            let row = all[test as usize].row as usize;
             let (pushed, end) = (ends.pushed[lane], ends.end[lane]);
             if pushed > 0.0 && end > 0.0 && pushed.is_finite() && end.is_finite() {
-                out[row as usize] = Outcome { duration_s: duration, ..outcomes[lane] };
+                out[row] = outcomes[lane];
             } else {
-                out[row as usize] = Outcome::failed(Failure::StepTooSmall);
+                out[row] = Outcome::failed(Failure::StepTooSmall);
             }
         }
     }
@@ -194,20 +193,16 @@ struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// How a lane's test has ended for the gas.
-    fn ending<'s>(&self, lane: usize, scenario: &'s Scenario, regression: Option<Regression>) -> Ending<'s> {
+    /// How the tests have ended for the gas.
+    fn ended(&self, regressions: Option<Regressions>) -> HoldsEnded {
         let Self { tests, ends, .. } = self;
-        Ending {
-            scenario,
-            duration: tests.push[lane] + tests.hold[lane],
-            wall: tests.closed.ambient_temperature[lane],
-            pushed: ends.pushed[lane],
-            end: ends.end[lane],
-            pressure_per_temperature: tests.closed.mass_gas_constant[lane] / tests.to[lane],
-            settling: if ends.settling[lane] > 0.0 { ends.settling[lane] } else { 0.0 },
-            flowing: 0.0,
-            relative_rate: None,
-            regression,
+        HoldsEnded {
+            wall: tests.closed.ambient_temperature,
+            pushed: ends.pushed,
+            end: ends.end,
+            pressure_per_temperature: tests.closed.mass_gas_constant / tests.to,
+            settling: ends.settling.where_positive(ends.settling, Lanes::ZERO),
+            regressions,
         }
     }
 
@@ -224,10 +219,8 @@ impl Solved<'_> {
             let guess = arch.dispatch(Record { tests, ends, records });
             records.fit(arch, guess)
         });
-        core::array::from_fn(|lane| {
-            let regression = found.as_ref().and_then(|found| found.lane(lane));
-            self.ending(lane, scenario(lane), regression).outcome()
-        })
+        let ended = self.ended(found);
+        core::array::from_fn(|lane| ended.ending(lane, scenario(lane)).outcome())
     }
 
     /// The outcomes behind sensors, with effects on the reading.
@@ -251,10 +244,11 @@ impl Solved<'_> {
             let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
             records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });
+        let ended = self.ended(None);
         core::array::from_fn(|lane| {
             let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
-            let gas = self.ending(lane, scenario, None).outcome();
+            let gas = ended.ending(lane, scenario).outcome();
             answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
         })
     }

@@ -1,6 +1,6 @@
 //! Push-and-hold tests that have a closed form: the numbers that it needs, of one and of as many as there are lanes.
 
-use crate::closed::kept::{Exchange, Heat, RampPart};
+use crate::closed::kept::{Heat, RampPart};
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
 use crate::scenario::Scenario;
@@ -12,7 +12,6 @@ use core::hint::black_box;
 /// One test, reduced to the numbers its solution needs.
 pub struct ExactTest {
     pub row: u32,
-    pub duration: f64,
     /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
     pub closed: Closed,
     /// Whether the exchange during the push is not linear in the volume, by the effects.
@@ -24,16 +23,17 @@ pub struct ExactTest {
     pub from: f64,
     pub to: f64,
     pub push: f64,
+    pub hold: f64,
 }
 
 impl ExactTest {
     /// Without effects, and before it is known how fast it exchanges heat: [`ExactTest::exchange`].
     #[inline]
-    pub fn new(row: u32, s: &Scenario, duration: f64) -> Self {
+    pub fn new(row: u32, s: &Scenario) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
-        let (start, push) = (s.initial_temperature_k, s.push_time_s);
+        let (start, push, hold) = (s.initial_temperature_k, s.push_time_s, s.hold_s());
         let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, start, from, s.ambient_temperature_k);
-        Self { row, duration, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push }
+        Self { row, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push, hold }
     }
 
     /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
@@ -41,26 +41,6 @@ impl ExactTest {
     pub fn exchange(&mut self, held: f64, time_scales: f64) {
         self.rate = held;
         self.parts = Closed::parts(time_scales);
-    }
-}
-
-/// The closed form of a moving piston. Its parts are a trait's, not closures: these would be compiled for any machine.
-pub trait Ramp {
-    /// 1/T at the end of one of the equal parts of a ramp.
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes;
-}
-
-impl Ramp for Closed<Lanes> {
-    #[inline(always)]
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
-        self.ramp_part(inverse, part.root, part.step, part.dwell)
-    }
-}
-
-impl Ramp for Exchange<'_> {
-    #[inline(always)]
-    fn part(&self, part: &RampPart, inverse: Lanes) -> Lanes {
-        part.end(self, inverse)
     }
 }
 
@@ -102,7 +82,7 @@ impl Tests {
             from: Lanes::from_fn(|lane| tests[lane].from),
             to: Lanes::from_fn(|lane| tests[lane].to),
             push: Lanes::from_fn(|lane| tests[lane].push),
-            hold: Lanes::from_fn(|lane| tests[lane].duration - tests[lane].push),
+            hold: Lanes::from_fn(|lane| tests[lane].hold),
         }
     }
 
@@ -142,12 +122,12 @@ impl Tests {
 
     /// Temperatures at the end of the push, K, each in its own number of parts.
     #[inline(always)]
-    pub fn pushed(&self, ramp: &impl Ramp) -> Lanes {
+    pub fn pushed(&self, heat: &impl Heat) -> Lanes {
         let first = self.part(0);
         let mut inverse = self.start.recip();
         for index in 0..self.most_parts() {
             let part = RampPart { root: first.root + first.step * index as f64, ..first };
-            let next = ramp.part(&part, inverse);
+            let next = heat.end(&part, inverse);
             inverse = (self.parts - index as f64).where_positive(next, inverse);
         }
         inverse.recip()

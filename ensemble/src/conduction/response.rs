@@ -93,6 +93,7 @@ impl WithSimd for WorkOutResponses<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::gauss;
 
     /// x' = c d − μ x over a step of d = 1 − 2 (t/h) + 3 (t/h)^4, by a Gauss rule over short parts.
     #[test]
@@ -106,12 +107,11 @@ mod tests {
             for (mode, of) in KERNEL.iter().enumerate() {
                 let up_to = |place: f64| {
                     let parts = (of.rate * length).ceil().max(4.0) as usize;
-                    let nodes = chamber::exact::GAUSS_16.iter().flat_map(|(x, w)| [(-x, w), (*x, w)]);
                     let part = |k: usize| {
-                        nodes.clone().map(move |(x, w)| {
-                            let at = place * (k as f64 + 0.5 + 0.5 * x) / parts as f64;
+                        (0..gauss::NODES).map(gauss::node).map(move |(x, w)| {
+                            let at = place * (k as f64 + x) / parts as f64;
                             let kept = (-of.rate * length * (place - at)).exp();
-                            0.5 * w * place * length / parts as f64 * kept * drive(at)
+                            w * place * length / parts as f64 * kept * drive(at)
                         })
                     };
                     of.weight * (0..parts).flat_map(part).sum::<f64>()

@@ -70,11 +70,10 @@ impl GasAndWall {
         let capacity = mass * balance.cv;
         let mut at = balance.conditions(beside, &boundary, &Contents::new(mass, capacity * temperature, volume));
         let values = &balance.chamber.effects;
-        effects::conditions(beside, values, &[Lanes::ZERO; OWN_STATES], &mut at);
-        let coefficient = effects::heat_transfer_factor(beside, values, &at, at.eichelberg);
-        let of_law = balance.chamber.geometry.wetted_volume(volume) * balance.area[0] + balance.area[1];
-        let area = effects::heat_transfer_area(beside, values, of_law);
-        let inverse_effusivity = effects::inverse_effusivity(set.intersection(effects::REMEMBERING), values);
+        values.conditions(beside, &[Lanes::ZERO; OWN_STATES], &mut at);
+        let coefficient = values.heat_transfer_factor(beside, &at, at.eichelberg);
+        let area = balance.area_of(beside, volume);
+        let inverse_effusivity = values.inverse_effusivity(set.intersection(effects::REMEMBERING));
         let (cooling, feed) = (area / (inverse_effusivity * capacity), inverse_effusivity * coefficient / temperature);
         Self::of([cooling, feed], at.wall_temperature, temperature, modes)
     }

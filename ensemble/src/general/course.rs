@@ -13,7 +13,7 @@ use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch,
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::View;
 use crate::outcome::{Failure, Outcome, ROUNDING, Standing, closure, to_be_lost};
-use crate::plan::Plan;
+use crate::plan::{MOST_STRETCHES, Plan};
 use crate::reader::{self, Bends, Knot, RowAnswer, Traces, seen_from};
 use crate::regression::Regression;
 use crate::regression::fit;
@@ -49,9 +49,8 @@ struct IntegratedRow<'a> {
     contents: [f64; 2],
     /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
     energy: [f64; 2],
-    /// The place of its first stretch among the [`Passed`] ones, and how many it has passed.
-    first: usize,
-    passed: usize,
+    /// Of each stretch where the history has its steps, and what is seen at its start.
+    passed: [(Steps, View<f64>); MOST_STRETCHES],
     failure: Option<Failure>,
 }
 
@@ -61,24 +60,14 @@ struct States<const N: usize> {
     absolute: [f64; N],
 }
 
-/// Where the history has the steps of a stretch that a row has passed, and what is seen at its start.
-type Passed = (Steps, View<f64>);
-
 /// Working memory, kept from one chunk to the next.
 #[derive(Default)]
 pub struct Memory {
     balances: Vec<Balances>,
-    trail: Trail,
+    history: History,
     reader: reader::Memory,
     relaxing: relaxing_rows::Memory,
     remembering: remembering::Memory,
-}
-
-/// The steps of all rows.
-#[derive(Default)]
-struct Trail {
-    passed: Vec<Passed>,
-    history: History,
 }
 
 /// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
@@ -91,24 +80,21 @@ pub fn run<const N: usize, const BITS: u32>(
     rows: &[(u32, Plan)],
     out: &mut [Outcome],
 ) {
-    let Memory { balances, trail, reader, relaxing, remembering } = memory;
+    let Memory { balances, history, reader, relaxing, remembering } = memory;
     work_out(balances, rows, batch.scenarios);
-    trail.history.limit = (rows.len() > FEWEST).then_some(HISTORY);
+    history.limit = (rows.len() > FEWEST).then_some(HISTORY);
     let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
-    let mut first = 0;
     for ((row, plan), balance) in rows.iter().zip(&*balances) {
         let (mut course, all) = IntegratedRow::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
         course.counted -= if BITS & equations::TIGHT == 0 { 0.0 } else { 1.0 };
-        course.first = first;
-        first += plan.stretches.len();
         let absolute = tolerance(batch.options.relative_tolerance, &all).absolute;
         let (state, absolute) = (General::<N, BITS>::states(&all), General::<N, BITS>::tolerances(&all, &absolute));
         states.push(States { state, absolute });
         courses.push(course);
     }
     let remembers = (kind == Kind::Remembering).then_some(remembering);
-    let stretches = if kind == Kind::Relaxing { 1 } else { usize::MAX };
-    if !integrate::<N, BITS>(batch, trail, set, (&mut courses, &mut states), stretches, remembers) {
+    let stretches = if kind == Kind::Relaxing { 1 } else { MOST_STRETCHES };
+    if !integrate::<N, BITS>(batch, history, set, (&mut courses, &mut states), stretches, remembers) {
         // Too many steps to keep: fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(batch, memory, set, kind, rows, out);
@@ -117,7 +103,7 @@ pub fn run<const N: usize, const BITS: u32>(
         let mut pushed: Vec<AfterPush> = courses.iter().map(IntegratedRow::after_push).collect();
         relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
     } else {
-        read(batch, reader, trail, &courses, out);
+        read(batch, reader, history, &courses, out);
     }
 }
 
@@ -131,13 +117,13 @@ fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Sce
 }
 
 /// Reads what is asked of rows off their traces.
-fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[IntegratedRow], out: &mut [Outcome]) {
+fn read(batch: Batch, reader: &mut reader::Memory, history: &History, courses: &[IntegratedRow], out: &mut [Outcome]) {
     let Batch { arch, options, .. } = batch;
     let mut rest = courses;
     while !rest.is_empty() {
         let mut traces = Traces::new(reader);
         while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
-            course.trace(trail, &mut traces);
+            course.trace(history, &mut traces);
         }
         let (group, others) = rest.split_at(traces.len());
         rest = others;
@@ -161,16 +147,13 @@ fn read(batch: Batch, reader: &mut reader::Memory, trail: &Trail, courses: &[Int
 /// has the memory for their holds.
 fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
-    Trail { passed, history }: &mut Trail,
+    history: &mut History,
     set: EffectSet,
     (courses, states): (&mut [IntegratedRow], &mut [States<N>]),
     stretches: usize,
     mut remembers: Option<&mut remembering::Memory>,
 ) -> bool {
     history.clear();
-    passed.clear();
-    let all = courses.last().map_or(0, |last| last.first + last.plan.stretches.len());
-    passed.resize(all, (Steps::default(), View { value: [0.0; 2], slope: [0.0; 2] }));
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
     for index in 0..stretches {
         let mut active: Vec<usize> = (0..courses.len()).filter(|&c| courses[c].goes_on(index)).collect();
@@ -178,8 +161,8 @@ fn integrate<const N: usize, const BITS: u32>(
             break;
         }
         history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
-        let mut pass = |course: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
-            passed[course.first + index] = (problem.steps, problem.view);
+        let pass = |course: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
+            course.passed[index] = (problem.steps, problem.view);
             states.state = problem.state;
             let contents = General::<N, BITS>::mass_and_energy(&problem.state, course.initial[MASS]);
             let is_gas = General::<N, BITS>::holds_gas(&problem.state);
@@ -193,7 +176,7 @@ fn integrate<const N: usize, const BITS: u32>(
         if General::<N, BITS>::REMEMBERS
             && let Some(memory) = &mut remembers
         {
-            let rests = |c: &usize| courses[*c].plan.stretches[index].velocity == 0.0;
+            let rests = |c: &usize| courses[*c].plan.stretches[index].start.velocity == 0.0;
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
             let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
             problems.clear();
@@ -228,13 +211,6 @@ fn integrate<const N: usize, const BITS: u32>(
     !Watch::<N>::is_full(history)
 }
 
-/// Boundary of the chamber at the end of a stretch, SI units.
-struct End {
-    position: f64,
-    volume: f64,
-    ambient_temperature: f64,
-}
-
 impl<'a> IntegratedRow<'a> {
     /// A row at its start, and all states of its chamber there.
     fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
@@ -253,8 +229,7 @@ impl<'a> IntegratedRow<'a> {
             initial,
             contents: initial,
             energy: [0.0; 2],
-            first: 0,
-            passed: 0,
+            passed: [(Steps::default(), View::NONE); MOST_STRETCHES],
             failure: None,
         };
         (course, states)
@@ -271,7 +246,7 @@ impl<'a> IntegratedRow<'a> {
         let stretch = &self.plan.stretches[index];
         let longest = if index >= seen_from(self.plan, &self.sensor) {
             LONGEST * stretch.length
-        } else if stretch.velocity != 0.0 {
+        } else if stretch.start.velocity != 0.0 {
             LONGEST_OF_MOVE * stretch.length
         } else {
             f64::INFINITY
@@ -291,7 +266,6 @@ impl<'a> IntegratedRow<'a> {
     fn pass(&mut self, contents: [f64; 2], [received, work]: [f64; 2], failure: Option<Failure>) {
         self.contents = contents;
         self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
-        self.passed += 1;
         let left = contents[MASS] / self.initial[MASS];
         self.failure = failure.map(|reason| if left.is_nan() || left <= EMPTY { Failure::Empty } else { reason });
     }
@@ -300,8 +274,7 @@ impl<'a> IntegratedRow<'a> {
     fn after_push(&self) -> AfterPush {
         AfterPush {
             row: self.row,
-            duration: self.plan.duration,
-            relaxations: (self.plan.duration - self.plan.push_end) / self.time_constant(),
+            relaxations: self.scenario.hold_s() / self.time_constant(),
             mass: self.contents[MASS],
             energy: [self.initial[ENERGY], self.contents[ENERGY]],
             received: self.energy,
@@ -310,13 +283,13 @@ impl<'a> IntegratedRow<'a> {
     }
 
     /// Hands its trace over.
-    fn trace(&self, Trail { passed, history }: &Trail, traces: &mut Traces<'a>) {
+    fn trace(&self, history: &History, traces: &mut Traces<'a>) {
         traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
         if self.failure.is_some() {
             return;
         }
-        let passed = &passed[self.first..self.first + self.passed];
-        for (stretch, &(steps, view)) in passed.iter().enumerate().skip(seen_from(self.plan, &self.sensor)) {
+        let passed = self.passed.iter().take(self.plan.stretches.len());
+        for (stretch, &(steps, view)) in passed.enumerate().skip(seen_from(self.plan, &self.sensor)) {
             traces.stretch(stretch, |knots| {
                 knots.push(Knot { at: 0.0, view, kink: false });
                 history.read(steps, knots);
@@ -324,32 +297,23 @@ impl<'a> IntegratedRow<'a> {
         }
     }
 
-    fn end(&self) -> End {
-        let last = &self.plan.stretches[self.plan.stretches.len() - 1];
-        let boundary = last.boundary(last.length);
-        let (position, ambient_temperature) = (boundary.position, boundary.ambient_temperature);
-        let chamber = &self.scenario.chamber;
-        let ambient_temperature = effects::rest_temperature(&chamber.effects, ambient_temperature);
-        End { position, volume: chamber.geometry.volume(position), ambient_temperature }
+    /// Volume of the hold, m³, and the temperature of gas and wall at rest, K.
+    fn held(&self) -> [f64; 2] {
+        let Scenario { chamber, final_position_m, ambient_temperature_k, .. } = self.scenario;
+        [chamber.geometry.volume(*final_position_m), chamber.effects.rest_temperature(*ambient_temperature_k)]
     }
 
-    /// The chamber at its end once it has the temperature of its surroundings.
-    fn at_rest(&self) -> Closed {
-        let chamber = &self.scenario.chamber;
-        let End { volume, ambient_temperature: ambient, .. } = self.end();
-        let pressure = self.contents[MASS] * chamber.gas.gas_constant * ambient / volume;
-        Closed::filled(chamber, pressure, ambient, volume, ambient)
-    }
-
-    /// τ of a tight chamber in its place, s.
+    /// τ of a tight chamber in its place, s, once it has come to rest.
     fn time_constant(&self) -> f64 {
-        1.0 / self.at_rest().rate(self.end().volume)
+        let (chamber, [volume, rest]) = (&self.scenario.chamber, self.held());
+        let pressure = self.contents[MASS] * chamber.gas.gas_constant * rest / volume;
+        1.0 / Closed::filled(chamber, pressure, rest, volume, rest).rate(volume)
     }
 
     /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
     fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
-        let Plan { duration, push_end, delay, .. } = *self.plan;
-        let hold = duration - push_end;
+        let &Plan { duration, delay, .. } = self.plan;
+        let hold = self.scenario.hold_s();
         let reading = self.sensor.shown(gas_pressure, duration);
         let to_be_lost =
             to_be_lost(gas_pressure * (1.0 - wall / a.temperature_final), -gas_pressure * a.pressure_rate * hold);
@@ -368,17 +332,15 @@ impl<'a> IntegratedRow<'a> {
 
     /// The outcome from what the record has answered.
     fn outcome(&self, a: &RowAnswer, regression: Option<Regression>) -> Outcome {
-        let End { position, volume, ambient_temperature: ambient } = self.end();
+        let [volume, rest] = self.held();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;
-        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, ambient).judge(a.settling);
-        let positions = [self.plan.stretches[0].position, position];
-        let start = self.scenario.initial_pressure_pa;
+        let (settling_time_s, flows_on) = self.standing(a, gas_pressure, rest).judge(a.settling);
         Outcome {
             pressure_peak_pa: a.pressure_peak,
             pressure_final_pa: a.pressure_final,
             temperature_final_k: a.temperature_final,
             temperature_peak_k: a.temperature_peak,
-            fit: regression.and_then(|found| fit::steps(self.scenario, positions, start, found)),
+            fit: regression.and_then(|found| fit::steps(self.scenario, found)),
             settling_time_s,
             flows_on,
             energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),

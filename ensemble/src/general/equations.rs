@@ -5,9 +5,9 @@
 //! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
 
 use crate::chambers::load_chamber;
-use crate::integrator::corner::{self, OfEffects};
+use crate::integrator::clock::Clock;
 use crate::integrator::step::{LaneSystem, Moment, View};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use crate::plan::Stretch;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
@@ -48,7 +48,9 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     moving: usize,
     /// How many states each has: what its error is the mean of.
     counted: Lanes,
-    stretch: Stretch<Lanes>,
+    /// Boundary and clock of the stretch; the position goes unread.
+    boundary: Boundary<Lanes>,
+    clock: Clock<Lanes>,
 }
 
 /// Place of the energy among the states of a set: behind the mass, where that is one.
@@ -100,13 +102,23 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     /// For these rows, all of one area law; lanes are not loaded yet.
     pub fn new(rows: &[Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
-        let Row { balance, stretch, .. } = rows[0];
-        let balance = Balances::of(balance.chamber.lift());
+        let balance = Balances::of(rows[0].balance.chamber.lift());
         let all = balance::moving_states(set);
         let moving = Self::PLACES.iter().filter(|place| **place < all).count();
-        let stretch = Stretch { profiled: stretch.profiled, ..Stretch::default() };
+        let (boundary, clock) = (Boundary::closed(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO), Clock::default());
         let (row, one) = (PhantomData, Lanes::ONE);
-        Self { row, set, balance, per_gas_constant: one, mass: one, root_mass: one, moving, counted: one, stretch }
+        Self {
+            row,
+            set,
+            balance,
+            per_gas_constant: one,
+            mass: one,
+            root_mass: one,
+            moving,
+            counted: one,
+            boundary,
+            clock,
+        }
     }
 
     /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::general::remembering`].
@@ -167,13 +179,13 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
     #[inline(always)]
     fn unbent(&self, r: Lanes) -> [Lanes; 2] {
         let bent = !self.set().intersection(effects::SINGULAR).is_empty();
-        if bent { self.stretch.clock.unbent(r) } else { [r, Lanes::ONE] }
+        if bent { self.clock.unbent(r) } else { [r, Lanes::ONE] }
     }
 
     /// What the chambers hold at the clock's `s`.
     #[inline(always)]
     fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
-        let root = self.stretch.clock.root(s);
+        let root = self.clock.root(s);
         let square = root * root;
         let [mass, root_mass] = if Self::TIGHT { [self.mass, self.root_mass] } else { [y[MASS] * y[MASS], y[MASS]] };
         let per_root_energy = y[Self::ENERGY];
@@ -184,12 +196,6 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         let (energy, volume) = (root_energy * root_energy, square * square);
         let (per_root, per_energy) = (per_both * per_root_energy, per_root_energy * per_root_energy);
         Contents { mass, energy, volume, per_root, per_energy }
-    }
-
-    /// The boundary at the clock's `s`.
-    #[inline(always)]
-    fn boundary(&self, s: Lanes) -> Boundary<Lanes> {
-        self.stretch.boundary(if self.stretch.profiled { self.stretch.clock.time(s) } else { Lanes::ZERO })
     }
 }
 
@@ -209,12 +215,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
         self.per_gas_constant[lane] = from.per_cv * from.per_expansion;
         self.counted[lane] = counted;
         let to = &mut self.balance;
-        to.expansion[lane] = from.expansion;
-        to.per_expansion[lane] = from.per_expansion;
-        to.cv[lane] = from.cv;
-        to.per_cv[lane] = from.per_cv;
-        to.cp[lane] = from.cp;
-        to.heat_transfer_factor[lane] = from.heat_transfer_factor;
+        put!(to, lane, from; expansion, per_expansion, cv, per_cv, cp, heat_transfer_factor);
         for (to, from) in to.area.iter_mut().zip(from.area) {
             to[lane] = from;
         }
@@ -233,19 +234,23 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
             }
             effect += 1;
         }
-        self.stretch.load(lane, stretch);
+        put!(
+            self.boundary, lane, stretch.start;
+            velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure
+        );
+        self.clock.load(lane, &stretch.clock);
     }
 
     #[inline(always)]
     fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
         let [s, rate] = self.unbent(r);
         let contents = self.contents(s, y);
-        let pace = self.stretch.clock.pace(s) * rate;
-        let (set, boundary, own) = (self.set(), self.boundary(s), Self::own(y));
+        let pace = self.clock.pace(s) * rate;
+        let (set, boundary, own) = (self.set(), &self.boundary, Self::own(y));
         let (at, rates, own) = if Self::TIGHT {
-            self.balance.evaluate_within(&Tight, set, &boundary, &contents, &own)
+            self.balance.evaluate_within(&Tight, set, boundary, &contents, &own)
         } else {
-            self.balance.evaluate_contents(set, &boundary, &contents, &own)
+            self.balance.evaluate_within(&(), set, boundary, &contents, &own)
         };
         let mut out = [Lanes::ZERO; N];
         if !Self::TIGHT {
@@ -280,14 +285,12 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 
     #[inline(always)]
     fn widening(&self, at: Lanes) -> Lanes {
-        self.stretch.clock.widening(at)
+        self.clock.widening(at)
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
-        let values = &self.balance.chamber.effects;
-        let corners = OfEffects { set: self.set(), values, ambient_pressure: self.stretch.ambient_pressure };
-        corner::met(&corners, h, ends, widening)
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.balance.chamber.effects.corner(self.set(), self.boundary.ambient_pressure, from, to)
     }
 }
 
@@ -298,8 +301,7 @@ mod tests {
     use crate::integrator::problem::Problem;
     use crate::outcome::closure;
     use crate::plan::Plan;
-    use crate::scenario::{Hold, Scenario};
-    use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+    use crate::scenario::Scenario;
 
     /// Balances whose energy lacks a share of what flows in.
     #[derive(Clone)]
@@ -319,20 +321,18 @@ mod tests {
 
         #[inline(always)]
         fn rates(&self, s: Lanes, y: &[Lanes; 2]) -> Moment<2> {
-            let General { balance, stretch, .. } = &self.whole;
-            let enthalpy = balance.cp * stretch.inflow[0] * stretch.temperature_in;
+            let General { balance, boundary, clock, .. } = &self.whole;
+            let enthalpy = balance.cp * boundary.mass_flow_in * boundary.temperature_in;
             let mut moment = self.whole.rates(s, y);
-            moment.slope[ENERGY] +=
-                enthalpy * self.share * stretch.clock.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
+            moment.slope[ENERGY] += enthalpy * self.share * clock.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
             moment
         }
     }
 
     #[test]
     fn an_energy_that_enthalpy_is_missing_from_does_not_close_by_as_much() {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(1.04));
+        let chamber = chamber::paper::section_31(chamber::AreaLaw::Total);
+        let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 1.04);
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
         let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balances::of(chamber);

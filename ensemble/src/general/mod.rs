@@ -20,8 +20,6 @@ use chamber::effects::{self, EffectSet};
 pub enum Kind {
     /// Gas may enter or leave, at constant rates and by effects.
     Open,
-    /// The stroke, the flow and the surroundings follow a profile.
-    Profiled,
     /// No gas enters or leaves.
     Tight,
     /// Nor has the hold a state but the temperature: see [`relaxation`].
@@ -31,14 +29,14 @@ pub enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 5] = [Self::Open, Self::Profiled, Self::Tight, Self::Relaxing, Self::Remembering];
+    const ALL: [Self; 4] = [Self::Open, Self::Tight, Self::Relaxing, Self::Remembering];
 
     /// That of a row.
     fn of(row: &Features) -> Self {
         let of_gas = row.of_gas;
         let by_integrals = row.is_wide && !row.integrates;
         if !row.is_sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
-            if row.scenario.profile.is_some() { Self::Profiled } else { Self::Open }
+            Self::Open
         } else if by_integrals && row.behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
             Self::Relaxing
         } else if by_integrals
@@ -72,30 +70,21 @@ impl GeneralRows {
 
     /// Solves all, after which there are none.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
-        for (number, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| rows.count > 0) {
-            compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows.planned(), out);
-            rows.clear();
+        for (number, list) in self.lists.iter_mut().enumerate().filter(|(_, list)| list.count > 0) {
+            let rows = &list.rows[..std::mem::take(&mut list.count)];
+            compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);
         }
     }
 }
 
-/// Rows and their plans, whose memory is kept.
+/// Rows and their plans, whose memory is kept: as many as are of the present chunk, and those of others.
 #[derive(Default)]
 struct Planned {
     rows: Vec<(u32, Plan)>,
-    /// How many of these are of the present chunk.
     count: usize,
 }
 
 impl Planned {
-    /// The longest plan, in stretches, whose memory is kept: plans along profiles may be of any length.
-    const LONGEST: usize = 8;
-
-    fn clear(&mut self) {
-        self.count = 0;
-        self.rows.retain(|(_, plan)| plan.stretches.capacity() <= Self::LONGEST);
-    }
-
     fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
         if self.count == self.rows.len() {
             self.rows.push((row, Plan::default()));
@@ -104,9 +93,5 @@ impl Planned {
         *place = (row, Plan::new(std::mem::take(&mut place.1.stretches), set, features.active, features.scenario)?);
         self.count += 1;
         Ok(())
-    }
-
-    fn planned(&self) -> &[(u32, Plan)] {
-        &self.rows[..self.count]
     }
 }

@@ -71,19 +71,7 @@ pub struct Ends<'a> {
     pub settling: Lanes,
     /// How many relaxations the hold takes.
     relaxations: Lanes,
-    gas: GasOverRelaxations<'a>,
-}
-
-impl Ends<'_> {
-    /// Temperature of the wall, K.
-    pub fn wall(&self) -> Lanes {
-        self.gas.wall
-    }
-
-    /// Temperature at the start, K.
-    pub fn pushed(&self) -> Lanes {
-        self.gas.pushed
-    }
+    pub gas: GasOverRelaxations<'a>,
 }
 
 /// A part of the hold.
@@ -99,14 +87,14 @@ pub struct HoldPart {
 }
 
 /// The gas over u.
-struct GasOverRelaxations<'a> {
+pub struct GasOverRelaxations<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
-    wall: Lanes,
-    /// The temperature at the start.
-    pushed: Lanes,
+    /// Temperature of the wall, and of the gas at the start.
+    pub wall: Lanes,
+    pub pushed: Lanes,
     /// σ.
     warms: Lanes,
     /// e0.
@@ -154,7 +142,7 @@ impl<'a> GasOverRelaxations<'a> {
         let Self { set, balance, boundary, contents, wall, warms, .. } = self;
         let temperature = self.temperature(relaxations);
         let capacity = contents.mass * balance.cv;
-        let energy = capacity * temperature * effects::internal_energy(*set, &balance.chamber.effects, temperature);
+        let energy = capacity * temperature * balance.chamber.effects.internal_energy(*set, temperature);
         let contents = Contents { energy, per_energy: energy.recip(), ..*contents };
         let (at, rates, _) = balance.evaluate_within(&Tight, *set, boundary, &contents, &NO_STATES);
         let warming = rates.energy * at.per_mass / at.cv;

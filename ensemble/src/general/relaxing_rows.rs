@@ -3,18 +3,18 @@
 
 use crate::Batch;
 use crate::chambers::Chambers;
-use crate::ending::{AfterPush, Ending};
+use crate::ending::{AfterPush, Ending, HoldsEnded};
 use crate::general::relaxation::{HoldPart, Pushed, Record, Solve};
 use crate::instructions::Wide;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Outcome, SETTLED};
 use crate::regression::Records;
-use crate::scenario::Scenario;
 use chamber::balance::{self, Boundary, ENERGY};
 use chamber::effects::EffectSet;
 
-/// [`Ending::relative_rate`] of gas at a temperature, K, that is not yet that of the wall, K.
-fn relative_rate(set: EffectSet, s: &Scenario, after: &AfterPush, wall: f64, [pushed, end]: [f64; 2]) -> Option<f64> {
+/// [`Ending::relative_rate`] of gas whose temperature is not yet that of the wall.
+fn relative_rate(set: EffectSet, after: &AfterPush, ending: &Ending) -> Option<f64> {
+    let &Ending { scenario: s, wall, pushed, end, .. } = ending;
     let is_there = (end - wall).abs() <= SETTLED * (pushed - end).abs();
     (!is_there).then(|| {
         let chamber = &s.chamber;
@@ -22,7 +22,7 @@ fn relative_rate(set: EffectSet, s: &Scenario, after: &AfterPush, wall: f64, [pu
         let pressure = after.mass * chamber.gas.gas_constant * end / chamber.geometry.volume(s.final_position_m);
         let state = balance::state_at(chamber, &boundary, pressure, end);
         let rates = balance::rates(set, chamber, &boundary, &state);
-        (after.duration - s.push_time_s) * rates[ENERGY] / state[ENERGY]
+        s.hold_s() * rates[ENERGY] / state[ENERGY]
     })
 }
 
@@ -52,29 +52,26 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterP
             ambient_temperature: Lanes::from_fn(|lane| scenario(lane).ambient_temperature_k),
             ambient_pressure: Lanes::from_fn(|lane| scenario(lane).ambient_pressure_pa),
             push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
-            hold: Lanes::from_fn(|lane| row(lane).duration - scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| scenario(lane).hold_s()),
         };
         let relative = options.relative_tolerance;
         let ends = arch.dispatch(Wide(Solve { set, pushed: &pushed, relative, parts }));
-        let found = options.fit.then(|| {
+        let regressions = options.fit.then(|| {
             let guess = arch.dispatch(Wide(Record { pushed: &pushed, ends: &ends, parts, records }));
             records.fit(arch, guess)
         });
+        let gas_constant = Lanes::from_fn(|lane| scenario(lane).chamber.gas.gas_constant);
+        let ended = HoldsEnded {
+            wall: ends.gas.wall,
+            pushed: ends.gas.pushed,
+            end: ends.end,
+            pressure_per_temperature: pushed.mass * gas_constant / volume,
+            settling: ends.settling,
+            regressions,
+        };
         for (lane, after) in group.iter().enumerate() {
-            let (scenario, wall) = (scenario(lane), ends.wall()[lane]);
-            let [pushed, end] = [ends.pushed()[lane], ends.end[lane]];
-            let ending = Ending {
-                scenario,
-                duration: after.duration,
-                wall,
-                pushed,
-                end,
-                pressure_per_temperature: after.mass * scenario.chamber.gas.gas_constant / volume[lane],
-                settling: ends.settling[lane],
-                flowing: 0.0,
-                relative_rate: relative_rate(set, scenario, after, wall, [pushed, end]),
-                regression: found.as_ref().and_then(|found| found.lane(lane)),
-            };
+            let mut ending = ended.ending(lane, scenario(lane));
+            ending.relative_rate = relative_rate(set, after, &ending);
             out[after.row as usize] = after.outcome(&ending);
         }
     }

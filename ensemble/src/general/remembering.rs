@@ -71,9 +71,11 @@ pub fn hold<const N: usize>(
                 mass: Lanes::from_fn(|lane| row(lane).mass),
                 energy: Lanes::from_fn(|lane| problem(lane).state[energy].powi(-2)),
                 modes: core::array::from_fn(|mode| Lanes::from_fn(|lane| problem(lane).state[first_mode + mode])),
-                volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).stretch.position)),
-                ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.ambient_temperature),
-                ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.ambient_pressure),
+                volume: Lanes::from_fn(|lane| {
+                    row(lane).balance.chamber.geometry.volume(row(lane).stretch.start.position)
+                }),
+                ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.start.ambient_temperature),
+                ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.start.ambient_pressure),
                 steps: HoldSteps {
                     growth: OF_ENDS,
                     level,

@@ -183,9 +183,6 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     watch: &mut W,
 ) {
     let Some(any) = problems.iter().position(|p| p.failure.is_none()) else { return };
-    if S::CHEAP && !S::BY_SERIES {
-        begin(system, rows, problems, relative);
-    }
     let mut group: Group<N, S> = Group {
         system: system.clone(),
         owner: [IDLE; WIDTH],
@@ -206,6 +203,14 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
         absolute: [Lanes::ONE; N],
         energy: [Lanes::ZERO; 2],
     };
+    if S::CHEAP && !S::BY_SERIES {
+        for base in (0..problems.len()).step_by(WIDTH) {
+            group.load_to_begin(rows, problems, base);
+            let Group { system, length, y, absolute, .. } = group.through_memory();
+            let (moment, first) = begin(system, *length, y, absolute, relative);
+            begin_from(&mut problems[base..], &moment, first);
+        }
+    }
     // Lanes without a problem of their own rest where this one begins.
     for lane in 0..WIDTH {
         group.system.load(lane, &rows[any]);
@@ -234,6 +239,14 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
         let (y, absolute) = (&group.y, (relative, &group.absolute));
         let step = attempt::<N, FUSED, S>(&group.system, group.t, tried, y, &group.moment, absolute);
         group.take(tried, step, watch);
+    }
+}
+
+/// Notes what lanes have found out about the starts of the first of these problems.
+#[inline(always)]
+fn begin_from<const N: usize>(problems: &mut [Problem<N>], moment: &Moment<N>, first: Lanes) {
+    for (lane, problem) in problems.iter_mut().take(WIDTH).enumerate() {
+        problem.begin(lane, moment, first);
     }
 }
 
@@ -276,9 +289,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>
         );
         if begins {
             let first = first_step(length, y, absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
-            for (lane, problem) in problems[begun..].iter_mut().take(WIDTH).enumerate() {
-                problem.begin(lane, &moment, first);
-            }
+            begin_from(&mut problems[begun..], &moment, first);
             begun += WIDTH;
             // Until it is given a problem a lane is at its end.
             group.length = Lanes::ZERO;
@@ -384,13 +395,20 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         if self.system.has_kinks() { self.up_to_kink(planned) } else { planned }
     }
 
+    /// Share of a step at which it meets its first kink, 1 where it meets none, by pressure and slope at both its ends.
+    #[inline(always)]
+    fn kink(&self, length: Lanes, ends: [[Lanes; 2]; 2]) -> Lanes {
+        let [begin, end] = corner::inside(ends[0][0], ends[1][0]);
+        corner::met([self.system.kink(begin, end), end], length, ends, self.widening)
+    }
+
     /// Ends steps at kinks that are seen to come.
     #[inline(always)]
     fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
         let at = self.moment.view.pressure();
         self.widening = self.system.widening(self.t);
         let ahead = corner::ahead(planned, at, self.widening, self.before, self.since);
-        let cut = planned * self.system.kink(planned, [at, ahead], self.widening);
+        let cut = planned * self.kink(planned, [at, ahead]);
         // Of a hold not from afar.
         let near = self.since.min(self.since * FORESIGHT - cut);
         let comes = (planned - cut).min(self.widening.abs().where_positive(Lanes::ONE, near));
@@ -405,8 +423,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         let last = tried - (length - t) * NEARLY;
         let kinked = self.system.has_kinks();
         let at = self.moment.view.pressure();
-        let kink =
-            if kinked { self.system.kink(tried, [at, step.moment.view.pressure()], self.widening) } else { Lanes::ONE };
+        let kink = if kinked { self.kink(tried, [at, step.moment.view.pressure()]) } else { Lanes::ONE };
         // Positive where the step is good: not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let accepted =

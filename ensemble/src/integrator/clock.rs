@@ -10,7 +10,7 @@
 //!
 //! Volumes in m³, t, s and r in s.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use chamber::real::Real;
 
 /// The clock of one stretch.
@@ -132,11 +132,7 @@ impl Clock<Lanes> {
     /// Puts a clock into a lane.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Clock) {
-        self.start[lane] = from.start;
-        self.root_rate[lane] = from.root_rate;
-        self.pace_factor[lane] = from.pace_factor;
-        self.straight[lane] = from.straight;
-        self.bend[lane] = from.bend;
+        put!(self, lane, from; start, root_rate, pace_factor, straight, bend);
     }
 }
 

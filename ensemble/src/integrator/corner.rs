@@ -1,4 +1,4 @@
-//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`effects::corner`]). An error
+//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`Effect::corner`](chamber::effects::Effect::corner)). An error
 //! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 //!
 //! Where a step will meet one is told by P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push
@@ -6,31 +6,7 @@
 
 use crate::integrator::step::extrapolated;
 use crate::lanes::Lanes;
-use chamber::effects::{self, EffectSet, EffectValues};
 use chamber::real::{Real, reciprocals};
-
-/// Rates that have corners.
-pub trait Corners {
-    /// The first pressure after `from` and before `to`, Pa, at which they have one; `to` where there is none.
-    fn corner(&self, from: Lanes, to: Lanes) -> Lanes;
-}
-
-/// Corners of the effects in a set.
-pub struct OfEffects<'a> {
-    /// Which effects.
-    pub set: EffectSet,
-    /// Their parameters.
-    pub values: &'a EffectValues<Lanes>,
-    /// Pressure of the surroundings, Pa.
-    pub ambient_pressure: Lanes,
-}
-
-impl Corners for OfEffects<'_> {
-    #[inline(always)]
-    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
-        effects::corner(self.set, self.values, self.ambient_pressure, from, to)
-    }
-}
 
 /// A corner within this share of the pressure at either end of a step is met by that end.
 const BESIDE: f64 = 2e-4;
@@ -71,21 +47,26 @@ fn fifth_power(x: Lanes) -> Lanes {
     square * square * x
 }
 
-/// Share of a step of length `h` at which it meets its first corner, 1 where it meets none, from the pressures at both its ends,
-/// Pa, their slopes there, and w'/w at its start.
+/// The pressures between which a step looks for corners, Pa, from those at its ends.
+#[inline(always)]
+pub fn inside(from: Lanes, to: Lanes) -> [Lanes; 2] {
+    let way = to - from;
+    let beside = (from * BESIDE).min(way.abs() * 0.5);
+    let inward = way.where_positive(beside, -beside);
+    [from + inward, to - inward]
+}
+
+/// Share of a step of length `h` at which it meets its first corner, 1 where it meets none: the first `corner` before `end` of
+/// [`inside`] or that itself, Pa. The pressures at both ends of the step, their slopes there, and w'/w at its start tell the way.
 #[inline(always)]
 pub fn met(
-    corners: &impl Corners,
+    [corner, end]: [Lanes; 2],
     h: Lanes,
     [[from, slope], [to, end_slope]]: [[Lanes; 2]; 2],
     widening: Lanes,
 ) -> Lanes {
     let (slope, end_slope) = (slope * h, end_slope * h);
     let way = to - from;
-    let beside = (from * BESIDE).min(way.abs() * 0.5);
-    let inward = way.where_positive(beside, -beside);
-    let (begin, end) = (from + inward, to - inward);
-    let corner = corners.corner(begin, end);
     let meets = (end - corner).abs();
     if !meets.any_positive() {
         return Lanes::ONE;
@@ -120,7 +101,7 @@ pub fn met(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chamber::effects::Leakage;
+    use chamber::effects::{EffectValues, Leakage};
 
     #[test]
     fn what_is_foreseen_of_a_piston_at_rest_does_not_depend_on_those_beside() {
@@ -148,10 +129,10 @@ mod tests {
             }
         }
         // A leak to 1 bar chokes at b = 0.3.
-        let set = Leakage::SET;
-        let values = EffectValues::NEUTRAL.lift::<Lanes>();
-        let corners = OfEffects { set, values: &values, ambient_pressure: Lanes::from(1e5) };
-        let share = met(&corners, Lanes::from(0.4), [at(0.1), at(0.5)], widening(0.1))[3];
+        let ends = [at(0.1), at(0.5)];
+        let [begin, end] = inside(ends[0][0], ends[1][0]);
+        let corner = EffectValues::NEUTRAL.lift().corner(Leakage::SET, Lanes::from(1e5), begin, end);
+        let share = met([corner, end], Lanes::from(0.4), ends, widening(0.1))[3];
         let error = (pressure(0.1 + 0.4 * share) * 0.3 / 1e5 - 1.0).abs();
         assert!(error < 0.5 * BESIDE, "{error:e}");
     }

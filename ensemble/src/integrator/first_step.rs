@@ -5,10 +5,9 @@
 //! and no more than L, by the rates at the start and a short way ahead. L is the time scale of the solution, ε the error estimate of
 //! a step as long as that, F a share for safety.
 
-use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, PROBE, TINY, probe, size};
+use crate::lanes::Lanes;
 use crate::lanes::math::inverse_eighth_root;
-use crate::lanes::{Lanes, WIDTH};
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -18,48 +17,30 @@ const FIRST: f64 = 0.6;
 /// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 
-/// Finds out the first rates and step length of all problems.
+/// The first rates of a system in states `y`, and the length of its first step over a stretch of `length`, s.
 #[inline(always)]
 pub fn begin<const N: usize, S: LaneSystem<N>>(
     system: &S,
-    rows: &[S::Row],
-    problems: &mut [Problem<N>],
+    length: Lanes,
+    y: &[Lanes; N],
+    absolute: &[Lanes; N],
     relative: f64,
-) {
-    let mut system = system.clone();
-    let count = problems.len();
-    for base in (0..count).step_by(WIDTH) {
-        let (mut y, mut absolute, mut length) = ([Lanes::ZERO; N], [Lanes::ZERO; N], Lanes::ZERO);
-        for lane in 0..WIDTH {
-            let index = (base + lane).min(count - 1);
-            let problem = &problems[index];
-            system.load(lane, &rows[index]);
-            length[lane] = problem.length;
-            for i in 0..N {
-                y[i][lane] = problem.state[i];
-                absolute[i][lane] = problem.absolute[i];
-            }
+) -> (Moment<N>, Lanes) {
+    let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
+    // There, and a short way ahead: by one copy of the rates.
+    for evaluation in 0..black_box(2) {
+        let moment = system.rates(time, &ahead);
+        if evaluation > 0 {
+            there = moment.slope;
+            break;
         }
-        let (system, y, absolute) = (black_box(&mut system), black_box(&y), black_box(&absolute));
-        let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
-        // There, and a short way ahead: by one copy of the rates.
-        for evaluation in 0..black_box(2) {
-            let moment = system.rates(time, &ahead);
-            if evaluation > 0 {
-                there = moment.slope;
-                break;
-            }
-            time = probe(length, y, absolute, &moment.slope, relative);
-            for i in 0..N {
-                ahead[i] += moment.slope[i] * time;
-            }
-            begin = moment;
+        time = probe(length, y, absolute, &moment.slope, relative);
+        for i in 0..N {
+            ahead[i] += moment.slope[i] * time;
         }
-        let first = first_step(length, y, absolute, [&begin.slope, &there], time, relative);
-        for (lane, problem) in problems[base..].iter_mut().take(WIDTH).enumerate() {
-            problem.begin(lane, &begin, first);
-        }
+        begin = moment;
     }
+    (begin, first_step(length, y, absolute, [&begin.slope, &there], time, relative))
 }
 
 /// Length of the step from `y`, s, by the rates there and a time `probe` ahead.

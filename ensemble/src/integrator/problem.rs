@@ -34,10 +34,8 @@ pub struct Problem<const N: usize> {
 impl<const N: usize> Problem<N> {
     /// To be solved over `length`, s, from `state`, with these absolute tolerances.
     pub fn new(length: f64, state: [f64; N], absolute: [f64; N]) -> Self {
-        let view = View { value: [0.0; 2], slope: [0.0; 2] };
-        let steps = Steps::default();
-        let (slope, power, energy) = ([0.0; N], [0.0; 2], [0.0; 2]);
-        let (longest, first) = (f64::INFINITY, 0.0);
+        let (slope, power, view, energy) = ([0.0; N], [0.0; 2], View::NONE, [0.0; 2]);
+        let (longest, first, steps) = (f64::INFINITY, 0.0, Steps::default());
         Self { length, state, absolute, longest, first, slope, power, view, energy, steps, failure: None }
     }
 

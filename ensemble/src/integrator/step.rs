@@ -17,6 +17,9 @@ pub struct View<R> {
 }
 
 impl<R: Real> View<R> {
+    /// Zero throughout: without a system.
+    pub const NONE: Self = Self { value: [R::ZERO; 2], slope: [R::ZERO; 2] };
+
     /// Gas that flows in, less what flows out, over the gas there, M = P V/(R T) in a volume that stays: in the integrator's time.
     #[inline(always)]
     pub fn inflow(&self) -> R {
@@ -31,9 +34,6 @@ impl<R: Real> View<R> {
 }
 
 impl View<Lanes> {
-    /// Zero throughout: a lane without a system.
-    pub const NONE: Self = Self { value: [Lanes::ZERO; 2], slope: [Lanes::ZERO; 2] };
-
     /// Pressure, Pa, and its slope.
     #[inline(always)]
     pub fn pressure(&self) -> [Lanes; 2] {
@@ -73,7 +73,7 @@ pub trait LaneSystem<const N: usize>: Clone {
     /// What a lane's system is made from.
     type Row;
     /// Whether the rates are so cheap that each stage deserves code of its own.
-    const CHEAP: bool;
+    const CHEAP: bool = true;
     /// Whether to compile it for machines without wide instructions, too.
     const ANYWHERE: bool = false;
     /// Whether steps are taken by [`LaneSystem::expansion`], in the place of the pair.
@@ -119,12 +119,11 @@ pub trait LaneSystem<const N: usize>: Clone {
         Lanes::ZERO
     }
 
-    /// Share of a step of length `h` at which it meets a kink of the rates, by the pressure at both its ends, Pa, and its
-    /// slope, and by how fast the chamber widens at its start; 1 where there is none. Steps are made to end there: across a kink
-    /// their error estimates are blind.
+    /// The first pressure after `from` and before `to`, Pa, at which the rates have a kink; `to` where there is none. Steps are made
+    /// to end there: across a kink their error estimates are blind.
     #[inline(always)]
-    fn kink(&self, _h: Lanes, _ends: [[Lanes; 2]; 2], _widening: Lanes) -> Lanes {
-        Lanes::ONE
+    fn kink(&self, _from: Lanes, to: Lanes) -> Lanes {
+        to
     }
 }
 

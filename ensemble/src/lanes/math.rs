@@ -6,8 +6,9 @@
 //! coefficients 2/(2i + 1)).
 //! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent that the length of a step needs.
 
-use crate::lanes::{Lanes, each_lane};
+use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
+use core::f64::consts::{LN_2, LOG2_E};
 
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -24,7 +25,7 @@ pub fn inverse_eighth_root(x: Lanes) -> Lanes {
 #[inline(always)]
 pub fn exp(x: Lanes) -> Lanes {
     let x = x.min(Lanes::from(709.0)).max(Lanes::from(-708.0));
-    let shifted = x * core::f64::consts::LOG2_E + ROUND;
+    let shifted = x * LOG2_E + ROUND;
     let k = shifted - ROUND;
     let r = (x - k * LN2_HIGH) - k * LN2_LOW;
     let square = r * r;
@@ -48,6 +49,22 @@ pub fn exp(x: Lanes) -> Lanes {
     );
     let result = r + square * p + 1.0;
     result * power_of_two(shifted)
+}
+
+/// e^(−x) for x ≥ 0, within 1e-11: as [`exp`], with fewer terms.
+#[inline(always)]
+pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
+    const TERMS: [f64; 9] =
+        [1.0 / 40_320.0, 1.0 / 5_040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 1.0 / 2.0, 1.0, 1.0];
+    let x = each_lane!(i => if x.0[i] < 700.0 { x.0[i] } else { 700.0 });
+    let shifted = multiply_add::<FUSED>(x, Lanes::from(-LOG2_E), Lanes::from(ROUND));
+    let k = shifted - ROUND;
+    let r = multiply_add::<FUSED>(k, Lanes::from(-LN_2), -x);
+    let mut p = Lanes::from(1.0 / 362_880.0);
+    for term in TERMS {
+        p = multiply_add::<FUSED>(p, r, Lanes::from(term));
+    }
+    p * power_of_two(shifted)
 }
 
 /// Natural logarithm of a positive, normal x; other x give an arbitrary number.
@@ -111,7 +128,7 @@ pub fn power(x: Lanes, n: Lanes) -> Lanes {
     let high = fused(linear(z, LB[6], LB[7]), square, linear(z, LB[4], LB[5]));
     let y = n * fused(s, fused(high, square * square, low), k);
     let shifted = y + ROUND;
-    let r = (y - (shifted - ROUND)) * core::f64::consts::LN_2;
+    let r = (y - (shifted - ROUND)) * LN_2;
     let square = r * r;
     let fourth = square * square;
     let low = fused(linear(r, EXP[2], EXP[3]), square, linear(r, EXP[0], EXP[1]));
@@ -124,7 +141,7 @@ pub fn power(x: Lanes, n: Lanes) -> Lanes {
 const LB: [f64; 8] = {
     let (mut all, mut i) = ([0.0; 8], 0);
     while i < 8 {
-        all[i] = 2.0 / ((2 * i + 1) as f64 * core::f64::consts::LN_2);
+        all[i] = 2.0 / ((2 * i + 1) as f64 * LN_2);
         i += 1;
     }
     all
@@ -191,7 +208,7 @@ fn polynomial(x: Lanes, square: Lanes, c: [f64; 12]) -> Lanes {
 
 #[cfg(test)]
 mod tests {
-    use super::{Lanes, exp as exp_lanes, in_powers, in_powers_fused, ln as ln_lanes, power};
+    use super::{Lanes, decay, exp as exp_lanes, in_powers, in_powers_fused, ln as ln_lanes, power};
     use proptest::prelude::*;
 
     fn exp(x: f64) -> f64 {
@@ -228,6 +245,14 @@ mod tests {
             assert!((in_powers(&terms, x) - horner(x)).abs() < 1e-13, "{x}");
             let fused = in_powers_fused(&terms.map(Lanes::from), Lanes::from(x))[1];
             assert!((fused - horner(x)).abs() < 1e-13, "{x}");
+        }
+    }
+
+    #[test]
+    fn the_quick_exponential_is_good_to_eleven_digits() {
+        for k in 0..70_000 {
+            let x = f64::from(k) * 0.009_7;
+            assert!((decay::<false>(Lanes::from(x))[3] / (-x).exp() - 1.0).abs() < 1e-11, "{x}");
         }
     }
 

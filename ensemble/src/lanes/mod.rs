@@ -4,7 +4,7 @@
 pub(crate) mod math;
 mod real;
 
-use core::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
 /// How many numbers stand side by side in [`Lanes`].
 pub const WIDTH: usize = 16;
@@ -29,6 +29,14 @@ macro_rules! each_lane {
     };
 }
 pub(crate) use each_lane;
+
+/// Puts numbers of one system, each by its name, into a lane.
+macro_rules! put {
+    ($to:expr, $lane:expr, $from:expr; $($($name:ident).+),+ $(,)?) => {
+        $($to.$($name).+[$lane] = $from.$($name).+;)+
+    };
+}
+pub(crate) use put;
 
 /// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
 #[inline(always)]
@@ -104,15 +112,4 @@ impl Neg for Lanes {
         each_lane!(i => -self.0[i])
     }
 }
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
-impl SubAssign for Lanes {
-    #[inline(always)]
-    fn sub_assign(&mut self, o: Self) {
-        *self = *self - o;
-    }
-}
+chamber::assign_operators!(Lanes);

@@ -7,7 +7,7 @@
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Coefficients of the powers from 0 to K − 1, by lane, and the value at the place that branches are chosen by.
 #[derive(Clone, Copy, Debug)]
@@ -62,28 +62,24 @@ impl<const K: usize> Series<K> {
     }
 }
 
-impl<const K: usize> Add for Series<K> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(mut self, o: Self) -> Self {
-        for k in 0..K {
-            self.coefficients[k] += o.coefficients[k];
+macro_rules! term_by_term {
+    ($($op:ident $method:ident $assign:tt),*) => {$(
+        impl<const K: usize> $op for Series<K> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self, o: Self) -> Self {
+                for k in 0..K {
+                    self.coefficients[k] $assign o.coefficients[k];
+                }
+                self.side $assign o.side;
+                self
+            }
         }
-        self.side += o.side;
-        self
-    }
+    )*};
 }
-impl<const K: usize> Sub for Series<K> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(mut self, o: Self) -> Self {
-        for k in 0..K {
-            self.coefficients[k] -= o.coefficients[k];
-        }
-        self.side -= o.side;
-        self
-    }
-}
+term_by_term![Add add +=, Sub sub -=];
+chamber::assign_operators!(Series<K>, const K: usize);
+
 impl<const K: usize> Mul for Series<K> {
     type Output = Self;
     #[inline(always)]
@@ -115,18 +111,6 @@ impl<const K: usize> Neg for Series<K> {
     #[inline(always)]
     fn neg(self) -> Self {
         self * -1.0
-    }
-}
-impl<const K: usize> AddAssign for Series<K> {
-    #[inline(always)]
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
-impl<const K: usize> SubAssign for Series<K> {
-    #[inline(always)]
-    fn sub_assign(&mut self, o: Self) {
-        *self = *self - o;
     }
 }
 impl<const K: usize> Mul<f64> for Series<K> {

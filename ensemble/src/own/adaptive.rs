@@ -4,18 +4,16 @@
 
 use crate::Batch;
 use crate::ending::Ending;
-use crate::features::Timed;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::log::Attempted;
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::LaneSystem;
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::own::finish;
 use crate::own::test::{Holding, OwnTest, Within};
 use crate::own::{Way, turns};
-use crate::regression::samples::{self, Samples};
 use crate::regression::{Guess, Records};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -68,14 +66,14 @@ impl<const N: usize> StepEnd<N> {
 /// Takes tests, in place of those that are there, to the ends of their pushes.
 pub fn push<const N: usize, T: OwnTest<N>>(
     Batch { arch, scenarios, options }: Batch,
-    rows: &[Timed],
+    rows: &[u32],
     tests: &mut Vec<T>,
     problems: &mut Vec<Problem<N>>,
 ) {
     let relative = options.relative_tolerance;
     tests.clear();
     problems.clear();
-    for &(row, _) in rows {
+    for &row in rows {
         let s = &scenarios[row as usize];
         let test = T::new(s);
         problems.push(test.push(s));
@@ -86,8 +84,8 @@ pub fn push<const N: usize, T: OwnTest<N>>(
 }
 
 impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
-    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-        rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[row.0 as usize]));
+    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
+        rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[*row as usize]));
         run(batch, self, rows, left, out);
     }
 }
@@ -96,7 +94,7 @@ impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
 fn run<const N: usize, T: OwnTest<N>>(
     batch: Batch,
     memory: &mut Memory<N, T>,
-    rows: &[Timed],
+    rows: &[u32],
     left: &mut Vec<u32>,
     out: &mut [Outcome],
 ) {
@@ -106,13 +104,13 @@ fn run<const N: usize, T: OwnTest<N>>(
     log.clear();
     push(batch, rows, tests, problems);
     pushed.clear();
-    for ((problem, test), (row, duration)) in problems.iter_mut().zip(&*tests).zip(rows) {
+    for ((problem, test), row) in problems.iter_mut().zip(&*tests).zip(rows) {
         if !test.goes_one_way(&problem.state) {
             problem.failure = Some(Failure::StepTooSmall);
         }
         problem.state = test.at_rest(problem.state);
         pushed.push(PushEnd { state: problem.state, energy: test.energy_of_push(problem.energy) });
-        let length = duration - scenarios[*row as usize].push_time_s;
+        let length = scenarios[*row as usize].hold_s();
         (problem.length, problem.longest, problem.first) = (length, T::LONGEST * length, 0.0);
     }
     advance(arch, &T::Held::default(), tests, problems, relative, log);
@@ -134,7 +132,7 @@ fn run<const N: usize, T: OwnTest<N>>(
             system.load(lane, &tests[at(lane)]);
         }
         let turns = T::TURNS.then(|| {
-            let expands = |lane: usize| scenarios[rows[at(lane)].0 as usize].expands();
+            let expands = |lane: usize| scenarios[rows[at(lane)] as usize].expands();
             let sign = Lanes::from_fn(|lane| if expands(lane) { -1.0 } else { 1.0 });
             let falls_on = core::array::from_fn(|lane| tests[at(lane)].falls_on(&problems[at(lane)].state));
             turns::find::<N, T>(arch, &system, log, &steps, (sign, falls_on), [&state, &end_state])
@@ -149,7 +147,7 @@ fn run<const N: usize, T: OwnTest<N>>(
                 add_knots(knots, lane, log, *steps);
             }
             let pressure = |lane: usize| tests[at(lane)].pressure_per_reading();
-            let push = |lane: usize| scenarios[rows[at(lane)].0 as usize].push_time_s;
+            let push = |lane: usize| scenarios[rows[at(lane)] as usize].push_time_s;
             let guess = arch.dispatch(Wide(Record {
                 system: &system,
                 knots,
@@ -160,7 +158,7 @@ fn run<const N: usize, T: OwnTest<N>>(
             records.fit(arch, guess)
         });
         for (lane, &index) in group.iter().enumerate() {
-            let ((row, duration), test, problem) = (rows[index], &tests[index], &problems[index]);
+            let (row, test, problem) = (rows[index], &tests[index], &problems[index]);
             let end = end[lane];
             let is_told = turns.as_ref().is_none_or(|turns| turns.told[lane]);
             if T::HAS_ANOTHER_WAY && (problem.failure.is_some() || !is_told) {
@@ -173,10 +171,9 @@ fn run<const N: usize, T: OwnTest<N>>(
                     let scenario = &scenarios[row as usize];
                     let PushEnd { state, energy: [received, work] } = &pushed[index];
                     let received = received + problem.energy[0];
-                    let hold = duration - scenario.push_time_s;
+                    let hold = scenario.hold_s();
                     let ending = Ending {
                         scenario,
-                        duration,
                         wall: test.reading_at_rest(&problem.state),
                         pushed: begin[lane],
                         end,
@@ -236,9 +233,8 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, simd: I) -> Guess {
         let Self { system, knots, begin, pressure_per_reading, records } = self;
-        records.clear();
+        records.begin_at(begin);
         let mut from = knots[0];
-        let mut first = each_lane!(i => samples::from(begin.0[i]));
         for to in &knots[1..] {
             // Results pass through memory: else the compiler computes them lane by lane.
             let to = black_box(to);
@@ -247,17 +243,12 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
             let state: [Lanes; N] =
                 black_box(core::array::from_fn(|i| to.time.where_positive(to.state[i], from.state[i])));
             let end = black_box(begin + time);
-            let next = black_box(each_lane!(i => samples::after(end.0[i])));
             let length = black_box(time - from.time);
-            if !records.takes(next - first) {
-                from = StepEnd { time, state };
-                continue;
+            if let Some(nodes) = records.nodes_up_to(end) {
+                let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
+                let since = black_box(begin + from.time);
+                records.push(&nodes, &nodes.values(&within, since, length, pressure_per_reading));
             }
-            let within = Within { system, ends: [&from.state, &state], length }.polynomial(simd);
-            let nodes = black_box(Samples { first, count: next - first }.nodes());
-            let since = black_box(begin + from.time);
-            records.push(first, &nodes, &nodes.values(&within, since, length, pressure_per_reading));
-            first = next;
             from = StepEnd { time, state };
         }
         system.guess([black_box(&knots[0].state), black_box(&from.state)], black_box(begin))

@@ -1,7 +1,6 @@
 //! The gas of a test without effects, reduced to the numbers that its equation needs, and the clock of its push.
 
 use crate::ending::AfterPush;
-use crate::features::Timed;
 use crate::integrator::clock::Clock;
 use crate::outcome::Failure;
 use crate::scenario::Scenario;
@@ -34,14 +33,13 @@ impl SealedTest {
     }
 
     /// How a push of it has ended at a temperature, K, with what the gas has received and its work, over m cv, K.
-    pub fn after_push(&self, (row, duration): Timed, s: &Scenario, pushed: f64, energy: [f64; 2]) -> AfterPush {
+    pub fn after_push(&self, row: u32, s: &Scenario, pushed: f64, energy: [f64; 2]) -> AfterPush {
         let capacity = self.capacity();
         let [received, work] = energy.map(|energy| capacity * energy);
         let is_gas = pushed > 0.0 && pushed < f64::INFINITY;
         AfterPush {
             row,
-            duration,
-            relaxations: (duration - s.push_time_s) * self.rate,
+            relaxations: s.hold_s() * self.rate,
             mass: self.closed.mass_gas_constant / s.chamber.gas.gas_constant,
             energy: [s.initial_temperature_k, pushed].map(|temperature| capacity * temperature),
             received: [received - work, work.abs()],

@@ -7,7 +7,6 @@
 //! with corners at the P_k, up to which steps go ([`crate::integrator::corner`]). While the piston rests T' is a function of T alone, so that T
 //! goes one way, and between two corners that function is a quadratic one. The state is √T; y in W, T in K.
 
-use crate::integrator::corner::{self, Corners};
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
@@ -125,13 +124,6 @@ impl Source {
     }
 }
 
-impl Corners for Source {
-    #[inline(always)]
-    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.warming.corner(from, to)
-    }
-}
-
 /// Tests, one a lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
@@ -141,7 +133,6 @@ pub struct Moving {
 
 impl LaneSystem<1> for Moving {
     type Row = HeatedTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &HeatedTest) {
@@ -179,8 +170,8 @@ impl LaneSystem<1> for Moving {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
-        corner::met(&self.source, h, ends, widening)
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.source.warming.corner(from, to)
     }
 }
 
@@ -207,7 +198,6 @@ impl Held {
 
 impl LaneSystem<1> for Held {
     type Row = HeatedTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &HeatedTest) {
@@ -231,8 +221,8 @@ impl LaneSystem<1> for Held {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
-        corner::met(&self.source, h, ends, widening)
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
+        self.source.warming.corner(from, to)
     }
 }
 

@@ -16,7 +16,7 @@ mod turns;
 mod walled;
 
 use crate::Batch;
-use crate::features::{Features, Timed};
+use crate::features::Features;
 use crate::outcome::Outcome;
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
@@ -24,13 +24,13 @@ use flows::{FlowTest, Gap, Orifice};
 /// A way of solving the rows of a list, with working memory that is kept from one chunk to the next.
 pub trait Way {
     /// Solves rows whose numbers are checked. Some may be left, to be solved in another way.
-    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]);
+    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]);
 }
 
 /// A chunk's rows of one kind, and the way in which they are solved.
 #[derive(Default)]
 pub struct List<W: ?Sized> {
-    rows: Vec<Timed>,
+    rows: Vec<u32>,
     left: Vec<u32>,
     way: W,
 }
@@ -71,7 +71,7 @@ pub struct Own {
 impl Own {
     /// The rows of the list for such a row, if there is one.
     #[inline]
-    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<Timed>> {
+    pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let &Features { scenario: s, of_gas, is_sealed, integrates, is_wide, .. } = row;
         if !is_wide || row.behind.is_some() {
             return None;
@@ -85,7 +85,6 @@ impl Own {
             convective::EFFECTS if !is_sealed || !convective::stays_on_a_side(s) => return None,
             convective::EFFECTS if !integrates => &mut self.convective.rows,
             convective::EFFECTS if convective::is_smooth(s) => &mut self.integrated.rows,
-            _ if s.profile.is_some() => return None,
             of_gas if flows::ORIFICES.contains(&of_gas) => &mut self.orifices.rows,
             flows::GAP => &mut self.gaps.rows,
             EffectSet::NONE if !is_sealed => &mut self.gaps.rows,

@@ -22,7 +22,6 @@ use chamber::exact::Closed;
 use chamber::real::Real;
 
 impl OwnTest<1> for SealedTest {
-    const HAS_ANOTHER_WAY: bool = false;
     type Moving = Moving;
     type Held = Held;
 
@@ -48,11 +47,6 @@ impl OwnTest<1> for SealedTest {
     #[inline]
     fn gas(&self) -> &SealedTest {
         self
-    }
-
-    #[inline]
-    fn goes_one_way(&self, _: &[f64; 1]) -> bool {
-        true
     }
 }
 
@@ -85,7 +79,6 @@ impl Moving {
 
 impl LaneSystem<1> for Moving {
     type Row = SealedTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &SealedTest) {
@@ -144,7 +137,6 @@ impl Holding<1> for Held {
 
 impl LaneSystem<1> for Held {
     type Row = SealedTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &SealedTest) {

@@ -41,7 +41,6 @@ pub struct StirredTest {
 }
 
 impl OwnTest<2> for StirredTest {
-    const HAS_ANOTHER_WAY: bool = false;
     type Moving = Moving;
     type Held = Held;
 
@@ -61,11 +60,6 @@ impl OwnTest<2> for StirredTest {
     fn gas(&self) -> &SealedTest {
         &self.gas
     }
-
-    #[inline]
-    fn goes_one_way(&self, _: &[f64; 2]) -> bool {
-        true
-    }
 }
 
 /// Tests, one a lane, while their pistons move.
@@ -79,7 +73,6 @@ pub struct Moving {
 
 impl LaneSystem<2> for Moving {
     type Row = StirredTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &StirredTest) {
@@ -111,7 +104,6 @@ pub struct Held {
 
 impl LaneSystem<2> for Held {
     type Row = StirredTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &StirredTest) {

@@ -14,10 +14,10 @@ use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Tests of N states, of which a record shows a reading that the pressure of the hold is in proportion to. Unless told otherwise
-/// the port is closed, the root of the temperature is the first state, and the temperature is the reading.
+/// the port is closed, the root of the temperature is the first state, the temperature is the reading, and a hold goes one way.
 pub trait OwnTest<const N: usize>: Sized {
     /// Whether tests that this way does not solve are solved in another.
-    const HAS_ANOTHER_WAY: bool;
+    const HAS_ANOTHER_WAY: bool = false;
     /// Whether holds can turn round: see [`crate::own::turns`].
     const TURNS: bool = false;
     /// Longest step through a hold, as a share of it. Sums over samples need it where nothing else bounds steps by how far the
@@ -84,7 +84,10 @@ pub trait OwnTest<const N: usize>: Sized {
         pushed
     }
     /// Whether a hold goes one way from where the push ends with these states, or may turn round as [`OwnTest::TURNS`] has it.
-    fn goes_one_way(&self, states: &[f64; N]) -> bool;
+    #[inline]
+    fn goes_one_way(&self, _: &[f64; N]) -> bool {
+        true
+    }
     /// Whether a reading and a temperature that both fall when a hold begins are known to come to no peak behind it, by the states at
     /// its end.
     #[inline]

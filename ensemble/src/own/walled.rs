@@ -98,7 +98,6 @@ pub struct Moving {
 
 impl LaneSystem<2> for Moving {
     type Row = WalledTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &WalledTest) {
@@ -184,7 +183,6 @@ impl Held {
 
 impl LaneSystem<2> for Held {
     type Row = WalledTest;
-    const CHEAP: bool = true;
     const BY_SERIES: bool = true;
 
     #[inline(always)]

@@ -30,7 +30,7 @@ impl<'a> Bends<'a> {
 
     /// What the record shows of a reading, Pa.
     pub fn shown(&self, reading: f64) -> f64 {
-        effects::reading(self.set, self.values, &[0.0; OWN_STATES], reading, 0.0)
+        self.values.reading(self.set, &[0.0; OWN_STATES], reading, 0.0)
     }
 
     /// How much more it shows of a reading than of one that is less `by` so much, Pa.
@@ -41,7 +41,7 @@ impl<'a> Bends<'a> {
     /// Readings on the way from one to another at which the record bends, Pa.
     pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<'a> {
         let Self { set, values } = *self;
-        let next = move |from: f64| Some(effects::bend(set, values, from, to)).filter(|reading| *reading != to);
+        let next = move |from: f64| Some(values.bend(set, from, to)).filter(|reading| *reading != to);
         std::iter::successors(next(from), move |from| next(*from))
     }
 }
@@ -87,7 +87,7 @@ impl Traces<'_> {
         jobs.clear();
         for index in bent.iter().flat_map(|&row| cut[row].all.clone()) {
             if pieces[index].slopes[0] * pieces[index].slopes[1] < 0.0 {
-                jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                jobs.push(Job::new(index, [0.0; POINTS]));
             }
         }
         self.work(arch, |_| Question::Turn);
@@ -103,7 +103,7 @@ impl Traces<'_> {
                     for reading in self.rows[row].bends.between(begin.1, end.1) {
                         places.push(CutPlace { piece: index, time: f64::NAN, reading });
                         let numbers = [begin.0, end.0, end.1, (end.1 - reading).abs()];
-                        self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                        self.memory.jobs.push(Job::new(index, numbers));
                     }
                     places.push(CutPlace { piece: index, time: end.0, reading: end.1 });
                     begin = end;

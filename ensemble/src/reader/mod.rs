@@ -7,7 +7,6 @@
 mod bends;
 mod curves;
 mod interpolant;
-mod plain;
 mod regressions;
 
 pub use bends::Bends;
@@ -124,8 +123,6 @@ pub struct Memory {
     cut: Vec<Cut>,
     /// In the order of the pieces.
     turns: Vec<TraceTurn>,
-    /// Segments and intervals in which the temperature comes to a peak.
-    warmest: Vec<(u32, u32)>,
     /// Of the pieces behind sensors that lag.
     lags: Vec<LaggedPiece<f64>>,
     to_powers: ToPowers,
@@ -167,8 +164,6 @@ struct Cut {
     shown: Range<usize>,
     /// Where it turns round in these.
     turns: Range<usize>,
-    /// The only segment of a plain record, of which these are only the pieces in which it turns: see [`plain`].
-    plain: Option<u32>,
 }
 
 /// Where a record turns round inside a piece.
@@ -187,6 +182,12 @@ struct Job {
     piece: usize,
     numbers: [f64; POINTS],
     answer: [f64; POINTS],
+}
+
+impl Job {
+    fn new(piece: usize, numbers: [f64; POINTS]) -> Self {
+        Self { piece, numbers, answer: [0.0; POINTS] }
+    }
 }
 
 /// The first stretch of a row that is looked into.
@@ -255,25 +256,12 @@ impl<'a> Traces<'a> {
 
     /// Cuts all records into pieces.
     fn cut(&mut self) {
-        let Memory { knots, segments, pieces, cut, warmest, .. } = &mut *self.memory;
+        let Memory { knots, segments, pieces, cut, .. } = &mut *self.memory;
         pieces.clear();
         cut.clear();
-        warmest.clear();
         let mut segments = segments.iter().enumerate().peekable();
         for (number, row) in self.rows.iter().enumerate() {
             let begin = pieces.len();
-            if let Some(&(index, segment)) = segments.peek()
-                && segment.row as usize == number
-                && row.is_plain()
-            {
-                let (index, knots) = (index as u32, &knots[segment.knots.clone()]);
-                if row.cut_turns(index, knots, pieces, warmest) {
-                    let (all, reading) = (begin..pieces.len(), knots[0].view.value[PRESSURE]);
-                    cut.push(Cut { all: all.clone(), begin: reading, shown: all, turns: 0..0, plain: Some(index) });
-                    segments.next();
-                    continue;
-                }
-            }
             let mut shown = begin..begin;
             while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
                 let (stretch, from) = (segment.stretch as usize, pieces.len());
@@ -284,7 +272,7 @@ impl<'a> Traces<'a> {
                 }
             }
             let reading = pieces.get(begin).map_or(row.before, |first| first.shown[0]);
-            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0, plain: None });
+            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0 });
         }
     }
 
@@ -301,7 +289,7 @@ impl<'a> Traces<'a> {
             let first = jobs.len();
             for (index, piece) in shown.clone().zip(&pieces[shown.clone()]) {
                 if piece.slopes[0] * piece.slopes[1] < 0.0 {
-                    jobs.push(Job { piece: index, numbers: [0.0; POINTS], answer: [0.0; POINTS] });
+                    jobs.push(Job::new(index, [0.0; POINTS]));
                 }
             }
             *turns = first..jobs.len();
@@ -320,10 +308,7 @@ impl<'a> Traces<'a> {
     /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
     fn answer(&mut self, row: usize) -> Option<RowAnswer> {
         let Memory { pieces, cut, turns, .. } = &*self.memory;
-        let Cut { all, shown, turns: of_row, plain, .. } = &cut[row];
-        if let Some(segment) = *plain {
-            return Some(self.answer_plain(row, segment));
-        }
+        let Cut { all, shown, turns: of_row, .. } = &cut[row];
         if all.is_empty() {
             return None;
         }
@@ -375,8 +360,7 @@ impl<'a> Traces<'a> {
             outside(value).then_some((index, begin, later))
         });
         if let Some((piece, from, later)) = entry {
-            let numbers = [from, later, pressure_final, band];
-            self.memory.jobs.push(Job { piece, numbers, answer: [0.0; POINTS] });
+            self.memory.jobs.push(Job::new(piece, [from, later, pressure_final, band]));
         }
         let temperature_peak = f64::NEG_INFINITY;
         Some(RowAnswer { pressure_peak, peak_time, pressure_final, temperature_peak, ..RowAnswer::default() })
@@ -384,12 +368,12 @@ impl<'a> Traces<'a> {
 
     /// Final and peak temperatures of the gas.
     fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<RowAnswer>]) {
-        let mut turns = core::mem::take(&mut self.memory.warmest);
+        // Segments and intervals in which the temperature comes to a peak.
+        let mut turns: Vec<(u32, u32)> = Vec::new();
         let sign = |rows: &[Trace], row: u32| rows[row as usize].sign();
         for (index, segment) in self.memory.segments.iter().enumerate() {
             let Some(answer) = &mut answers[segment.row as usize] else { continue };
-            let seen = self.memory.cut[segment.row as usize].plain.is_some();
-            if seen || (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
+            if (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
                 continue;
             }
             let sign = sign(&self.rows, segment.row);
@@ -429,7 +413,6 @@ impl<'a> Traces<'a> {
                 answer.temperature_peak *= sign(&self.rows, row as u32);
             }
         }
-        self.memory.warmest = turns;
     }
 
     /// Time of the record, s, at a time of a segment.

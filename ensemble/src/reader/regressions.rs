@@ -28,7 +28,7 @@ impl Traces<'_> {
                 let index = pieces.clone().find(holds).unwrap_or(pieces.end - 1);
                 let piece = &self.memory.pieces[index];
                 let time = (time - self.record_time(piece.segment, 0.0)).clamp(piece.times[0], piece.times[1]);
-                jobs.push(Job { piece: index, numbers: [time; POINTS], answer: [0.0; POINTS] });
+                jobs.push(Job::new(index, [time; POINTS]));
             }
         }
         self.memory.jobs = jobs;
@@ -70,7 +70,6 @@ impl Traces<'_> {
         answers: &[Option<RowAnswer>],
         guess: impl Fn(usize) -> f64,
     ) -> Vec<Option<Regression>> {
-        self.cut_plain();
         let firsts = self.first_samples(arch, answers);
         self.memory.jobs.clear();
         // Per job: the samples its piece holds.
@@ -88,7 +87,7 @@ impl Traces<'_> {
                 let samples = Samples { first, count: next - first };
                 if samples.count > 0.0 {
                     let numbers = samples.nodes().numbers.map(|number| number / SAMPLE_RATE_HZ - elapsed);
-                    self.memory.jobs.push(Job { piece: index, numbers, answer: [0.0; POINTS] });
+                    self.memory.jobs.push(Job::new(index, numbers));
                     held.push(samples);
                     first = next;
                 }

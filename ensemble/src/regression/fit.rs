@@ -8,7 +8,7 @@ use chamber::{AreaLaw, Geometry};
 
 /// Steps 2 to 7 on the result of step 1, as published: Aq by (27) with all the gas's volume. None where pressures and
 /// strokes contradict each other.
-pub fn steps(scenario: &Scenario, positions: [f64; 2], initial_pressure: f64, regression: Regression) -> Option<Fit> {
+pub fn steps(scenario: &Scenario, regression: Regression) -> Option<Fit> {
     let Regression { final_pressure, rise, time_constant, misfit } = regression;
     let chamber = &scenario.chamber;
     let setup = Setup {
@@ -18,8 +18,8 @@ pub fn steps(scenario: &Scenario, positions: [f64; 2], initial_pressure: f64, re
         reference_pressure_pa: chamber.heat_transfer.reference_pressure,
         reference_temperature_k: chamber.heat_transfer.reference_temperature,
     };
-    let [initial_position_m, final_position_m] = positions;
-    let push = Push { initial_pressure_pa: initial_pressure, initial_position_m, final_position_m };
+    let &Scenario { initial_pressure_pa, initial_position_m, final_position_m, .. } = scenario;
+    let push = Push { initial_pressure_pa, initial_position_m, final_position_m };
     let found = seven_steps::Regression {
         final_pressure_pa: final_pressure,
         pressure_rise_pa: rise,

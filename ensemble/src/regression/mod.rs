@@ -10,10 +10,10 @@ pub mod relaxing;
 pub mod samples;
 mod time_constant;
 
+use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH, each_lane, multiply_add};
 use crate::regression::samples::{Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
 use chamber::real::Real;
-use core::f64::consts::{LN_2, LOG2_E};
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -83,6 +83,8 @@ pub struct Records {
     nodes: Vec<[Node; POINTS]>,
     /// Number of the first sample, and the pressure that all others are less by.
     begin: [Lanes; 2],
+    /// Number of the first sample of the next part.
+    next: Lanes,
 }
 
 /// What the least squares of one record are.
@@ -120,17 +122,40 @@ impl Records {
         self.lengths = [0; WIDTH];
     }
 
-    /// Whether a part with so many samples of each record is to be appended: the first, or one that is not empty in all of them.
+    /// Begins records in place of those that there are, with the first samples at or after some times, s.
     #[inline(always)]
-    pub fn takes(&self, count: Lanes) -> bool {
-        self.nodes.is_empty() || count.any_positive()
+    pub fn begin_at(&mut self, times: Lanes) {
+        self.begin_with(each_lane!(i => samples::from(times.0[i])));
     }
 
-    /// Appends a part to each record: its first sample, the nodes of its sum and the pressures there.
+    /// The same with samples of these numbers.
     #[inline(always)]
-    pub fn push(&mut self, first: Lanes, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
+    pub fn begin_with(&mut self, first: Lanes) {
+        self.clear();
+        self.next = black_box(first);
+    }
+
+    /// The nodes of the next part of each record, up to and at a time, s. None of a part that is empty in all of them, but the first.
+    #[inline(always)]
+    pub fn nodes_up_to(&mut self, times: Lanes) -> Option<Nodes<Lanes>> {
+        // Results pass through memory: else the compiler computes them lane by lane.
+        let first = black_box(self.next);
+        let next = black_box(each_lane!(i => samples::after(times.0[i])));
+        let count = black_box((next - first).max(Lanes::ZERO));
         if self.nodes.is_empty() {
-            self.begin = [first, pressure[0]];
+            self.begin[0] = first;
+        } else if !count.any_positive() {
+            return None;
+        }
+        self.next = black_box(first.max(next));
+        Some(black_box(Samples { first, count }.nodes()))
+    }
+
+    /// Appends that part to each record, with the pressures at its nodes.
+    #[inline(always)]
+    pub fn push(&mut self, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
+        if self.nodes.is_empty() {
+            self.begin[1] = pressure[0];
         }
         let [origin, reference] = black_box(self.begin);
         let mut all = [Node::NONE; POINTS];
@@ -170,7 +195,10 @@ impl Records {
         for index in 0..self.parts.len() {
             let RecordPart { samples, pressure } = *black_box(&self.parts[index]);
             let nodes = black_box(samples.nodes());
-            self.push(samples.first, &nodes, &pressure);
+            if index == 0 {
+                self.begin[0] = samples.first;
+            }
+            self.push(&nodes, &pressure);
         }
         self.parts.clear();
     }
@@ -194,24 +222,6 @@ impl WithSimd for Fitting<'_> {
             least_squares::<true>(nodes, *begin, &self.guess)
         }
     }
-}
-
-/// e^(−x) for x ≥ 0, within 1e-11: as [`exp`](crate::lanes::math::exp), with fewer terms.
-#[inline(always)]
-pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
-    const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
-    const TERMS: [f64; 9] =
-        [1.0 / 40_320.0, 1.0 / 5_040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 1.0 / 2.0, 1.0, 1.0];
-    let x = each_lane!(i => if x.0[i] < 700.0 { x.0[i] } else { 700.0 });
-    let shifted = multiply_add::<FUSED>(x, Lanes::from(-LOG2_E), Lanes::from(ROUND));
-    let k = shifted - ROUND;
-    let r = multiply_add::<FUSED>(k, Lanes::from(-LN_2), -x);
-    let mut p = Lanes::from(1.0 / 362_880.0);
-    for term in TERMS {
-        p = multiply_add::<FUSED>(p, r, Lanes::from(term));
-    }
-    let power = each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52));
-    p * power
 }
 
 /// Sums over a record's samples, with e = e^(−t/τ) and its derivatives by ln τ in parts: g = (t/τ) e, h = (t/τ) g.
@@ -371,7 +381,7 @@ fn least_squares<const FUSED: bool>(
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use proptest::prelude::*;
 
@@ -393,15 +403,19 @@ mod tests {
         mean(&|k| (pressures[k] - mean_p - slope * (e(k) - mean_e)).powi(2))
     }
 
-    /// τ of the least squares by golden section, s.
-    fn best(pressures: &[f64], near: f64) -> f64 {
+    /// Where a function between two places is least, by golden section.
+    pub fn least(of: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut a, mut b) = ((near / 2.0).ln(), (near * 2.0).ln());
         for _ in 0..60 {
             let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-            if residual(pressures, c.exp()) < residual(pressures, d.exp()) { b = d } else { a = c }
+            if of(c) < of(d) { b = d } else { a = c }
         }
-        (0.5 * (a + b)).exp()
+        0.5 * (a + b)
+    }
+
+    /// τ of the least squares, s.
+    fn best(pressures: &[f64], near: f64) -> f64 {
+        least(|log_tau| residual(pressures, log_tau.exp()), [0.5, 2.0].map(|off| (near * off).ln())).exp()
     }
 
     proptest! {
@@ -472,14 +486,6 @@ mod tests {
     #[test]
     fn a_search_that_would_go_to_and_fro_for_ever_comes_to_its_end() {
         assert_found(0.08236465180989963, 1.8701326716749593, 25);
-    }
-
-    #[test]
-    fn the_quick_exponential_is_good_to_eleven_digits() {
-        for k in 0..70_000 {
-            let x = f64::from(k) * 0.009_7;
-            assert!((decay::<false>(Lanes::from(x))[3] / (-x).exp() - 1.0).abs() < 1e-11, "{x}");
-        }
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The record of a hold that relaxes one way, from the end of the push to that of the test, laid out for the regression.
 
-use crate::lanes::{Lanes, each_lane};
+use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
 use crate::regression::Records;
-use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::regression::samples::{POINTS, SAMPLE_RATE_HZ};
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -38,27 +38,20 @@ pub trait Relaxing {
 /// Lays the records out, of tests with pushes and durations of so many s.
 #[inline(always)]
 pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records: &mut Records) {
-    let mut first = black_box(each_lane!(i => samples::from(push.0[i])));
+    records.begin_at(push);
     let mut begin = black_box(relaxing.knot(0.0));
-    records.clear();
     for end in black_box(R::ENDS) {
         let end = black_box(relaxing.knot(*end));
         let until = black_box((push + R::time(&end)).min(duration));
-        let next = black_box(each_lane!(i => samples::after(until.0[i])));
-        let count = black_box((next - first).max(Lanes::ZERO));
-        if !records.takes(count) {
-            begin = end;
-            continue;
+        if let Some(nodes) = records.nodes_up_to(until) {
+            let course = relaxing.course([&begin, &end]);
+            let mut pressure = [Lanes::ZERO; POINTS];
+            for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
+                let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
+                pressure[k] = black_box(course.at(since));
+            }
+            records.push(&nodes, &pressure);
         }
-        let nodes = black_box(Samples { first, count }.nodes());
-        let course = relaxing.course([&begin, &end]);
-        let mut pressure = [Lanes::ZERO; POINTS];
-        for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
-            let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
-            pressure[k] = black_box(course.at(since));
-        }
-        records.push(first, &nodes, &pressure);
-        first = black_box(first.max(next));
         begin = end;
     }
 }

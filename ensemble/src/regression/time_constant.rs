@@ -40,9 +40,10 @@ pub fn logarithm_of_guess(rate: Lanes, excess: Lanes, length: Lanes) -> Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::regression::tests::least;
     use proptest::prelude::*;
 
-    /// ln τ of the least squares over 2000 points of a relaxation with k = 1, by golden section.
+    /// ln τ of the least squares over 2000 points of a relaxation with k = 1.
     fn best(excess: f64, length: f64) -> f64 {
         const POINTS: usize = 2000;
         let time = |i: usize| (i as f64 + 0.5) * length / POINTS as f64;
@@ -57,13 +58,7 @@ mod tests {
             let common = products(&decays, &pressures, [at, of]);
             products(&pressures, &pressures, [of, of]) - common * common / products(&decays, &decays, [at, at])
         };
-        let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut a, mut b) = (-2.0, 2.0);
-        for _ in 0..40 {
-            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-            if residual(c) < residual(d) { b = d } else { a = c }
-        }
-        0.5 * (a + b)
+        least(residual, [-2.0, 2.0])
     }
 
     proptest! {

@@ -2,7 +2,7 @@
 
 use crate::common::{assert_close, assert_same, convective, kept, relaxing, remembering, results, sealed};
 use chamber::effects;
-use ensemble::{Failure, Hold, Options, Outcome, Scenario, Solver};
+use ensemble::{Failure, Options, Outcome, Scenario, Solver};
 
 #[test]
 fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
@@ -87,7 +87,7 @@ fn a_hold_with_natural_convection_alone_is_as_its_exact_solution() {
         // λ ∝ |T − Tw|^¼ alone.
         s.chamber.effects.of_mut(natural)[0] = 0.25;
         s.chamber.effects.of_mut(exponents).copy_from_slice(&[0.0, 0.0]);
-        s.hold = Hold::Duration(s.push_time_s + 5.0);
+        s.duration_s = s.push_time_s + 5.0;
     }
     let set = [natural, exponents].into_iter().collect();
     for (k, (s, o)) in rows.iter().zip(results(set, &rows, &Options::default())).enumerate() {

@@ -2,10 +2,15 @@
 
 use crate::numbers::Numbers;
 use chamber::card::ClosedForm;
-use chamber::effects::EffectValues;
 use chamber::effects::empirical::{Curve, Term, Variable};
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Failure, Hold, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
+use chamber::effects::{
+    DeadVolumeSurface, DecayingTurbulence, EffectValues, Empirical, ForcedConvection, GasColumnLength, LaminarLeakage,
+    Leakage, NaturalConvection, PressureExponent, RecordDelay, SensorDrift, SensorLag, SensorOffset, SupplyLeakage,
+    TemperatureDependentHeatCapacity, WallConduction, WallHeating, WarmWall,
+};
+use chamber::exact::Closed;
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, paper};
+use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
 
 /// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
 pub fn sealed(count: usize) -> Vec<Scenario> {
@@ -17,48 +22,71 @@ pub fn sealed(count: usize) -> Vec<Scenario> {
         let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
         let positions = [r.between(0.05, 0.4), r.between(0.05, 0.4)];
         let push_time = r.log_between(0.03, 2.0);
-        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::TimeConstants(r.between(6.0, 25.0)))
+        let mut s = Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, f64::NAN);
+        hold_for(&mut s, r.between(6.0, 25.0));
+        s
     };
     (0..count).map(one).collect()
 }
 
-/// Tests of every kind: leaks, flows, each effect, a profile; around the card's typical values.
+/// Lets a test last until this many times τ_f = m cv/(λ(Pf, Tamb) Aq) after its push.
+pub fn hold_for(s: &mut Scenario, time_constants: f64) {
+    let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
+    let (pressure, temperature) = (s.initial_pressure_pa, s.initial_temperature_k);
+    let closed = Closed::filled(&s.chamber, pressure, temperature, begin, s.ambient_temperature_k);
+    s.duration_s = s.push_time_s + time_constants / closed.rate(end);
+}
+
+/// The same, each changed by its number and more random numbers.
+pub fn changed(count: usize, seed: u64, change: impl Fn(usize, &mut Scenario, &mut Numbers)) -> Vec<Scenario> {
+    let (mut r, mut rows) = (Numbers(seed), sealed(count));
+    rows.iter_mut().enumerate().for_each(|(k, s)| change(k, s, &mut r));
+    rows
+}
+
+/// Sets the parameters of an effect around its card's: between the neutral and the typical ones, or beyond.
+fn spread(s: &mut Scenario, effect: usize, share: impl FnMut() -> f64) {
+    let shares = std::iter::repeat_with(share);
+    let parameters = s.chamber.effects.of_mut(effect).iter_mut().zip(effects::CARDS[effect].parameters);
+    parameters.zip(shares).for_each(|((to, p), share)| *to = p.neutral + (p.typical - p.neutral) * share);
+}
+
+/// Sets the first parameters of effects that are there.
+pub fn set_first<const N: usize>(s: &mut Scenario, effects: [(usize, bool, f64); N]) {
+    for (effect, is_there, value) in effects {
+        if is_there {
+            s.chamber.effects.of_mut(effect)[0] = value;
+        }
+    }
+}
+
+/// The test of section 3.1 with an effect of these numbers, over that duration, s.
+pub fn section_31(effect: usize, numbers: &[f64], duration: f64) -> Scenario {
+    let chamber = paper::section_31(AreaLaw::Total).with(effect, numbers);
+    Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, duration)
+}
+
+/// Tests of every kind: leaks, flows, each effect; around the card's typical values.
 pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
-    let mut r = Numbers(11);
-    let mut rows = sealed(count);
-    for s in &mut rows {
-        for (index, card) in chamber::effects::all() {
-            if only.is_some_and(|i| i != index) {
-                continue;
-            }
-            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = p.neutral + (p.typical - p.neutral) * r.between(0.3, 1.2);
-            }
+    changed(count, 11, |_, s, r| {
+        for index in (0..effects::COUNT).filter(|index| only.is_none_or(|only| only == *index)) {
+            spread(s, index, || r.between(0.3, 1.2));
         }
         if r.next() < 0.5 {
             s.mass_flow_in_kg_per_s = r.between(0.0, 1e-5);
             s.temperature_in_k = r.between(280.0, 320.0);
         }
-        s.hold = Hold::Duration(s.push_time_s + r.between(0.5, 3.0));
-    }
-    rows
+        s.duration_s = s.push_time_s + r.between(0.5, 3.0);
+    })
 }
 
 /// Tight rows with some effects that have no states: of any strength that the cards allow for, from gases much colder or warmer
 /// than the wall, pushed or not, for a tenth of a relaxation or thousands.
 pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let place = |name: &str| effects::find(name).unwrap().0;
-    let [natural, exponents, capacity, forced, warm] = [
-        "natural_convection",
-        "pressure_exponent",
-        "temperature_dependent_heat_capacity",
-        "forced_convection",
-        "warm_wall",
-    ]
-    .map(place);
-    let mut r = Numbers(53);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
+    let (natural, exponents) = (NaturalConvection::PLACE, PressureExponent::PLACE);
+    let capacity = TemperatureDependentHeatCapacity::PLACE;
+    let (forced, warm) = (ForcedConvection::PLACE, WarmWall::PLACE);
+    let rows = changed(count, 53, |k, s, r| {
         let values = &mut s.chamber.effects;
         if k % 2 > 0 {
             values.of_mut(natural)[0] = r.between(-0.3, 2.0);
@@ -82,8 +110,8 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 200.0));
-    }
+        s.duration_s = s.push_time_s + r.log_between(0.02, 200.0);
+    });
     ([natural, exponents, capacity, forced, warm].into_iter().collect(), rows)
 }
 
@@ -91,19 +119,14 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
 pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
     let kept: EffectSet =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
-    let column = effects::GasColumnLength::PLACE;
-    let mut rows = sealed(count);
-    let mut r = Numbers(31);
-    for (row, s) in rows.iter_mut().enumerate() {
+    let rows = changed(count, 31, |row, s, r| {
         for index in kept.iter() {
-            for (to, p) in s.chamber.effects.of_mut(index).iter_mut().zip(effects::CARDS[index].parameters) {
-                *to = p.neutral + (p.typical - p.neutral) * r.between(-0.2, 1.2);
-            }
+            spread(s, index, || r.between(-0.2, 1.2));
         }
         if row % 2 == 0 {
-            s.chamber.effects.of_mut(column)[0] = 0.0;
+            s.chamber.effects.of_mut(GasColumnLength::PLACE)[0] = 0.0;
         }
-    }
+    });
     (kept, rows)
 }
 
@@ -120,32 +143,23 @@ fn knots_across(s: &Scenario, k: usize, r: &mut Numbers) -> ([f64; 2], Vec<f64>)
 /// Rows whose sensor shows a curve of its reading, of up to eight knots across the pressures of the test and steep enough to
 /// turn the record round, with other effects of the sensor before it.
 pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let place = |name: &str| effects::find(name).unwrap().0;
-    let [curve, lag, delay, offset, drift, leak] =
-        ["empirical", "sensor_lag", "record_delay", "sensor_offset", "sensor_drift", "leakage"].map(place);
-    let mut r = Numbers(77);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let ([low, high], knots) = knots_across(s, k, &mut r);
+    let rows = changed(count, 77, |k, s, r| {
+        let ([low, high], knots) = knots_across(s, k, r);
         let steepness = if k % 3 == 0 { 0.02 } else { 2.0 };
         let most = (steepness * (high - low) / 8.0).min(0.5 * low);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
-        let to = &mut s.chamber.effects;
         let bent = Curve { term: Term::Reading, variable: Variable::Pressure, knots, values };
-        to.of_mut(curve).copy_from_slice(&bent.parameters());
-        for (effect, is_there, value) in [
-            (lag, k % 4 > 1, r.log_between(1e-3, 0.2)),
-            (delay, k % 5 > 3, r.between(0.01, 2.0) * s.push_time_s),
-            (offset, k % 6 > 3, r.between(-1e4, 1e4)),
-            (drift, k % 7 > 4, r.between(-2e3, 2e3)),
-            (leak, k % 2 > 0, r.log_between(1e-12, 1e-11)),
-        ] {
-            if is_there {
-                to.of_mut(effect)[0] = value;
-            }
-        }
-    }
-    ([curve, lag, delay, offset, drift, leak].into_iter().collect(), rows)
+        s.chamber = s.chamber.with(Empirical::PLACE, &bent.parameters());
+        let beside = [
+            (SensorLag::PLACE, k % 4 > 1, r.log_between(1e-3, 0.2)),
+            (RecordDelay::PLACE, k % 5 > 3, r.between(0.01, 2.0) * s.push_time_s),
+            (SensorOffset::PLACE, k % 6 > 3, r.between(-1e4, 1e4)),
+            (SensorDrift::PLACE, k % 7 > 4, r.between(-2e3, 2e3)),
+            (Leakage::PLACE, k % 2 > 0, r.log_between(1e-12, 1e-11)),
+        ];
+        set_first(s, beside);
+    });
+    (effects::WITH_BENDS.union(effects::of_sensor()).union(Leakage::SET), rows)
 }
 
 pub fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Outcome> {
@@ -176,20 +190,14 @@ pub fn assert_same(ours: &Outcome, reference: &Outcome, tolerance: f64, what: &s
     if ours.status.is_err() {
         return;
     }
-    assert_close(ours.pressure_peak_pa, reference.pressure_peak_pa, tolerance, &format!("{what}: peak"));
-    assert_close(ours.pressure_final_pa, reference.pressure_final_pa, tolerance, &format!("{what}: final"));
-    assert_close(
-        ours.temperature_peak_k,
-        reference.temperature_peak_k,
-        tolerance,
-        &format!("{what}: peak temperature"),
-    );
-    assert_close(
-        ours.temperature_final_k,
-        reference.temperature_final_k,
-        tolerance,
-        &format!("{what}: final temperature"),
-    );
+    for (name, ours, reference) in [
+        ("peak", ours.pressure_peak_pa, reference.pressure_peak_pa),
+        ("final", ours.pressure_final_pa, reference.pressure_final_pa),
+        ("peak temperature", ours.temperature_peak_k, reference.temperature_peak_k),
+        ("final temperature", ours.temperature_final_k, reference.temperature_final_k),
+    ] {
+        assert_close(ours, reference, tolerance, &format!("{what}: {name}"));
+    }
     assert_eq!(ours.settling_time_s.is_some(), reference.settling_time_s.is_some(), "{what}");
     if let (Some(a), Some(b)) = (ours.settling_time_s, reference.settling_time_s) {
         let distance = (reference.pressure_peak_pa / reference.pressure_final_pa - 1.0).abs();
@@ -225,30 +233,23 @@ pub fn assert_independent(
 
 /// Tight rows in front of a wall that remembers, every other one also with effects that keep the closed form and behind sensors.
 pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let [conduction, column, warm, surface, lag, delay] =
-        ["wall_conduction", "gas_column_length", "warm_wall", "dead_volume_surface", "sensor_lag", "record_delay"]
-            .map(|name| effects::find(name).unwrap().0);
-    let mut r = Numbers(29);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let values = &mut s.chamber.effects;
-        values.of_mut(conduction)[0] = r.log_between(1e-5, 1e-2);
-        for (effect, is_there, value) in [
-            (column, k % 3 > 0, r.between(-0.5, 0.5)),
-            (warm, k % 4 > 1, r.between(-5.0, 20.0)),
-            (surface, k % 5 > 3, r.log_between(1e-3, 1e-2)),
-            (lag, k % 6 > 4, r.log_between(1e-3, 0.1)),
-            (delay, k % 7 > 5, r.between(0.0, 0.02)),
-        ] {
-            if is_there && k % 2 > 0 {
-                values.of_mut(effect)[0] = value;
-            }
-        }
+    let (conduction, column, warm) = (WallConduction::PLACE, GasColumnLength::PLACE, WarmWall::PLACE);
+    let (surface, lag, delay) = (DeadVolumeSurface::PLACE, SensorLag::PLACE, RecordDelay::PLACE);
+    let rows = changed(count, 29, |k, s, r| {
+        let all = [
+            (conduction, true, r.log_between(1e-5, 1e-2)),
+            (column, k % 2 > 0 && k % 3 > 0, r.between(-0.5, 0.5)),
+            (warm, k % 2 > 0 && k % 4 > 1, r.between(-5.0, 20.0)),
+            (surface, k % 2 > 0 && k % 5 > 3, r.log_between(1e-3, 1e-2)),
+            (lag, k % 2 > 0 && k % 6 > 4, r.log_between(1e-3, 0.1)),
+            (delay, k % 2 > 0 && k % 7 > 5, r.between(0.0, 0.02)),
+        ];
+        set_first(s, all);
         s.initial_temperature_k += r.between(-20.0, 20.0);
         s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
         s.push_time_s = r.log_between(0.01, 0.5);
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.01, 200.0));
-    }
+        s.duration_s = s.push_time_s + r.log_between(0.01, 200.0);
+    });
     ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
 }
 
@@ -265,76 +266,66 @@ fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
 /// Tight rows in front of a wall that warms, of any capacity and cooling that make a difference, from gases much colder or
 /// warmer than the wall: a third of the holds turn round.
 pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let wall = effects::WallHeating::PLACE;
-    let mut r = Numbers(91);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let values = s.chamber.effects.of_mut(wall);
+    let rows = changed(count, 91, |k, s, r| {
+        let values = s.chamber.effects.of_mut(WallHeating::PLACE);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 1e4) };
         values[1] = if k % 5 == 4 { 0.0 } else { r.log_between(1e-3, 10.0) };
-        start_anywhere(s, k, &mut r);
+        start_anywhere(s, k, r);
         if k % 19 == 0 {
             s.chamber.heat_transfer.coefficient *= r.log_between(0.1, 10.0);
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
-    }
-    (EffectSet::one(wall), rows)
+        s.duration_s = s.push_time_s + r.log_between(0.02, 100.0);
+    });
+    (WallHeating::SET, rows)
 }
 
 /// Tight rows whose piston stirs the gas, little or much, for a time that is short or long beside the push and the hold, from gases
 /// much colder or warmer than the wall, pushed or not.
 pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let turbulence = effects::DecayingTurbulence::PLACE;
-    let mut r = Numbers(53);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let values = s.chamber.effects.of_mut(turbulence);
+    let rows = changed(count, 53, |k, s, r| {
+        let values = s.chamber.effects.of_mut(DecayingTurbulence::PLACE);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 100.0) };
         values[1] = r.log_between(0.005, 50.0);
-        start_anywhere(s, k, &mut r);
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
-    }
-    (EffectSet::one(turbulence), rows)
+        start_anywhere(s, k, r);
+        s.duration_s = s.push_time_s + r.log_between(0.02, 30.0);
+    });
+    (DecayingTurbulence::SET, rows)
 }
 
 /// Tight rows whose missing term is a heat flow over the pressure: of up to eight knots across the pressures of the test, as strong
 /// as the heat that the wall takes or far weaker, from gases much colder or warmer than the wall, pushed or not.
 pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let curve = effects::Empirical::PLACE;
-    let mut r = Numbers(37);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
+    let rows = changed(count, 37, |k, s, r| {
         if k % 3 == 0 {
             s.initial_temperature_k = r.between(200.0, 400.0);
         }
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        let (_, knots) = knots_across(s, k, &mut r);
+        let (_, knots) = knots_across(s, k, r);
         let most = r.log_between(0.01, 3.0);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let term = Curve { term: Term::HeatFlow, variable: Variable::Pressure, knots, values };
-        s.chamber.effects.of_mut(curve).copy_from_slice(&term.parameters());
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 30.0));
-    }
-    (EffectSet::one(curve), rows)
+        s.chamber = s.chamber.with(Empirical::PLACE, &term.parameters());
+        s.duration_s = s.push_time_s + r.log_between(0.02, 30.0);
+    });
+    (Empirical::SET, rows)
 }
 
 /// Rows of which gas leaves or enters: through an orifice towards the surroundings or the supply, through a gap, or at constant
 /// rates; hardly or all of it, on either side of where the flow chokes or turns round, pushed or not.
 pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let [leak, supply, gap] =
-        ["leakage", "supply_leakage", "laminar_leakage"].map(|name| effects::find(name).unwrap().0);
-    let mut r = Numbers(67);
-    let mut rows = sealed(count);
-    for (k, s) in rows.iter_mut().enumerate() {
+    let rows = changed(count, 67, |k, s, r| {
         let (conductance, critical) =
             (r.log_between(1e-14, if k % 9 == 8 { 1e-9 } else { 1e-11 }), r.between(0.0, 0.6));
         let values = &mut s.chamber.effects;
         match k % 4 {
-            0 => values.of_mut(leak).copy_from_slice(&[conductance, critical]),
-            1 => values.of_mut(supply).copy_from_slice(&[conductance, r.log_between(1e5, 1.5e6), critical]),
-            2 => values.of_mut(gap)[0] = conductance,
+            0 => values.of_mut(Leakage::PLACE).copy_from_slice(&[conductance, critical]),
+            1 => {
+                let supply = [conductance, r.log_between(1e5, 1.5e6), critical];
+                values.of_mut(SupplyLeakage::PLACE).copy_from_slice(&supply);
+            }
+            2 => values.of_mut(LaminarLeakage::PLACE)[0] = conductance,
             _ => {}
         }
         if k % 4 == 3 || k % 5 > 2 {
@@ -351,15 +342,15 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
         if k % 17 == 0 {
             s.final_position_m = s.initial_position_m;
         }
-        s.hold = Hold::Duration(s.push_time_s + r.log_between(0.02, 100.0));
-    }
-    ([leak, supply, gap].into_iter().collect(), rows)
+        s.duration_s = s.push_time_s + r.log_between(0.02, 100.0);
+    });
+    (Leakage::SET.union(SupplyLeakage::SET).union(LaminarLeakage::SET), rows)
 }
 
 /// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by
 /// next to nothing, which the general equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
-    let [natural, warm] = ["natural_convection", "warm_wall"].map(|name| effects::find(name).unwrap().0);
+    let (natural, warm) = (NaturalConvection::PLACE, WarmWall::PLACE);
     let (_, mut rows) = relaxing(count);
     let mut r = Numbers(17);
     for (k, s) in rows.iter_mut().enumerate() {

@@ -4,7 +4,7 @@ use crate::common::results;
 use crate::numbers::Numbers;
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Hold, Options, Outcome, Scenario, Solver};
+use ensemble::{Options, Outcome, Scenario, Solver};
 
 const AMBIENT_K: f64 = 293.0;
 
@@ -16,7 +16,7 @@ fn sealed(count: usize) -> Vec<Scenario> {
         let chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
         let positions = [r.between(0.2, 0.4), r.between(0.05, 0.15)];
         let push_time = r.log_between(0.03, 1.0);
-        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, Hold::Duration(push_time + 3.0))
+        Scenario::push(chamber, r.between(0.8e5, 8e5), positions, push_time, push_time + 3.0)
     };
     (0..count).map(one).collect()
 }
@@ -80,9 +80,7 @@ fn the_energy_balance_closes_with_each_effect() {
     for (index, card) in effects::all() {
         let mut rows = sealed(16);
         for s in &mut rows {
-            for (to, parameter) in s.chamber.effects.of_mut(index).iter_mut().zip(card.parameters) {
-                *to = parameter.typical;
-            }
+            s.chamber = s.chamber.with_typical(EffectSet::one(index));
             (s.mass_flow_in_kg_per_s, s.temperature_in_k) = (1e-6, 310.0);
         }
         let outcomes = integrated(EffectSet::one(index), &rows, 1e-10);

@@ -1,11 +1,12 @@
 //! Rows that only the integrator solves: against the plain one.
 
 use crate::common::{
-    assert_close, assert_same, flowing, heated, reference, results, sealed, stirred, varied, walled, with_instructions,
+    assert_close, assert_same, changed, flowing, heated, reference, results, sealed, section_31, stirred, varied,
+    walled, with_instructions,
 };
-use crate::numbers::Numbers;
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Hold, InstructionSet, Options, Scenario, plain};
+use chamber::EffectSet;
+use chamber::effects::{Empirical, Leakage, NaturalConvection, RecordDelay, SensorDrift, SensorLag, WallHeating};
+use ensemble::{InstructionSet, Options, Scenario, plain};
 
 #[test]
 fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
@@ -38,13 +39,8 @@ fn equations_of_their_own_agree_with_the_plain_integrator_whichever_way_the_hold
             assert_same(&tight, &expected, 1e-8, &what);
             if expected.status.is_ok() {
                 assert!(tight.energy_error < 1e-7, "{what}: {}", tight.energy_error);
-                assert_close(loose.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, &format!("{what}: loose peak"));
-                assert_close(
-                    loose.pressure_final_pa,
-                    expected.pressure_final_pa,
-                    1e-7,
-                    &format!("{what}: loose final"),
-                );
+                assert_close(loose.pressure_peak_pa, expected.pressure_peak_pa, 1e-7, &format!("{what}, loose: peak"));
+                assert_close(loose.pressure_final_pa, expected.pressure_final_pa, 1e-7, &format!("{what}, loose: end"));
             }
         }
     }
@@ -52,18 +48,15 @@ fn equations_of_their_own_agree_with_the_plain_integrator_whichever_way_the_hold
 
 #[test]
 fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
-    let leak = effects::Leakage::PLACE;
-    let mut r = Numbers(11);
-    let mut scenarios = sealed(400);
-    for (i, s) in scenarios.iter_mut().enumerate() {
-        s.chamber.effects.of_mut(leak)[0] = r.log_between(1e-13, 1e-11);
+    let scenarios = changed(400, 11, |i, s, r| {
+        s.chamber.effects.of_mut(Leakage::PLACE)[0] = r.log_between(1e-13, 1e-11);
         s.mass_flow_in_kg_per_s = r.log_between(1e-7, 1e-5);
-        s.hold = Hold::Duration(5.0);
+        s.duration_s = 5.0;
         if i % 2 == 0 {
             s.initial_pressure_pa = s.ambient_pressure_pa * r.between(1.0, 1.1);
         }
-    }
-    let set = EffectSet::one(leak);
+    });
+    let set = Leakage::SET;
     let options = Options { relative_tolerance: 1e-8, fit: false, ..Options::default() };
     for (s, ours) in scenarios.iter().zip(results(set, &scenarios, &options)) {
         let expected = reference(set, s);
@@ -74,8 +67,7 @@ fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
 
 #[test]
 fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_difference() {
-    let place = |name: &str| effects::find(name).unwrap().0;
-    let [natural, late, lagging] = ["natural_convection", "record_delay", "sensor_lag"].map(place);
+    let [natural, late, lagging] = [NaturalConvection::PLACE, RecordDelay::PLACE, SensorLag::PLACE];
     let mut rows = sealed(96);
     for (i, s) in rows.iter_mut().enumerate() {
         s.initial_temperature_k = s.ambient_temperature_k;
@@ -89,7 +81,7 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
         if i % 5 == 0 {
             std::mem::swap(&mut s.initial_position_m, &mut s.final_position_m);
         }
-        s.hold = Hold::Duration(s.push_time_s + 2.0);
+        s.duration_s = s.push_time_s + 2.0;
     }
     let set = [natural, late, lagging].into_iter().collect();
     let tight = Options { relative_tolerance: 1e-13, fit: false, ..Options::default() };
@@ -102,18 +94,13 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
 
 #[test]
 fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
-    let curve = effects::Empirical::PLACE;
-    let typical = effects::CARDS[curve].parameters.iter().map(|parameter| parameter.typical);
-    let mut r = Numbers(24);
-    let mut rows = sealed(64);
-    for s in &mut rows {
-        let parameters = s.chamber.effects.of_mut(curve);
-        for (to, typical) in parameters.iter_mut().zip(typical.clone()) {
-            *to = if typical.abs() < 0.1 { r.between(-0.5, 0.5) } else { typical };
-        }
-        s.hold = Hold::Duration(3.0);
-    }
-    let set = EffectSet::one(curve);
+    let set = Empirical::SET;
+    let rows = changed(64, 24, |_, s, r| {
+        s.chamber = s.chamber.with_typical(set);
+        let parameters = s.chamber.effects.of_mut(Empirical::PLACE).iter_mut();
+        parameters.filter(|typical| typical.abs() < 0.1).for_each(|to| *to = r.between(-0.5, 0.5));
+        s.duration_s = 3.0;
+    });
     let options = Options { relative_tolerance: 1e-9, fit: false, ..Options::default() };
     for (s, ours) in rows.iter().zip(results(set, &rows, &options)) {
         let expected = plain::run(set, s, &Options { relative_tolerance: 1e-13, ..options });
@@ -122,39 +109,14 @@ fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
     }
 }
 
-#[test]
-fn a_stroke_and_flow_of_ones_own_agree_with_the_plain_integrator() {
-    let mut r = Numbers(5);
-    let mut rows = sealed(24);
-    for s in &mut rows {
-        let mut time = 0.0;
-        let knot = |time: f64, r: &mut Numbers| chamber::signals::Knot {
-            time,
-            position: r.between(0.05, 0.2),
-            mass_flow: r.between(-1e-5, 1e-5),
-            ambient_temperature: r.between(285.0, 300.0),
-        };
-        let mut knots = vec![knot(0.0, &mut r)];
-        for _ in 0..6 {
-            time += r.between(0.05, 0.3);
-            knots.push(knot(time, &mut r));
-        }
-        s.profile = Some(knots.into());
-        s.hold = Hold::Duration(time + 1.0);
-    }
-    for (k, (s, o)) in rows.iter().zip(results(EffectSet::NONE, &rows, &Options::default())).enumerate() {
-        assert_same(&o, &reference(EffectSet::NONE, s), 1e-7, &format!("row {k}"));
-    }
+/// The test of section 3.1 with an effect of these numbers, of several durations.
+fn with_effect(effect: usize, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
+    (EffectSet::one(effect), [10.0, 20.0, 40.0].map(|duration| section_31(effect, numbers, duration)).into())
 }
 
-/// The test of section 3.1 with a leak, of several durations.
+/// The same with a leak.
 fn leaking(conductance: f64) -> (EffectSet, Vec<Scenario>) {
-    let leak = effects::Leakage::PLACE;
-    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    chamber.effects.of_mut(leak)[0] = conductance;
-    let test = |duration| Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(duration));
-    (EffectSet::one(leak), [10.0, 20.0, 40.0].map(test).into())
+    with_effect(Leakage::PLACE, &[conductance])
 }
 
 #[test]
@@ -170,20 +132,10 @@ fn a_chamber_that_leaks_on_has_not_settled_however_long_the_test() {
     }
 }
 
-/// The test of section 3.1 with an effect of these numbers, of several durations.
-fn with_effect(name: &str, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
-    let (_, mut rows) = leaking(0.0);
-    let effect = effects::find(name).unwrap().0;
-    for s in &mut rows {
-        s.chamber.effects.of_mut(effect)[..numbers.len()].copy_from_slice(numbers);
-    }
-    (EffectSet::one(effect), rows)
-}
-
 #[test]
 fn gas_that_comes_to_rest_warmer_than_the_surroundings_has_settled() {
     let options = Options { fit: false, ..Options::default() };
-    let insulated = with_effect("wall_heating", &[1.0, 0.0]);
+    let insulated = with_effect(WallHeating::PLACE, &[1.0, 0.0]);
     let (set, mut rows) = leaking(0.0);
     for s in &mut rows {
         (s.mass_flow_in_kg_per_s, s.mass_flow_out_kg_per_s, s.temperature_in_k) = (5e-6, 5e-6, 350.0);
@@ -203,7 +155,7 @@ fn gas_that_comes_to_rest_warmer_than_the_surroundings_has_settled() {
 fn a_sensor_that_drifts_by_more_than_a_hundredth_has_not_settled() {
     let options = Options { fit: false, ..Options::default() };
     for (drift, settles) in [(-300.0, false), (300.0, false), (1.0, true)] {
-        let (set, rows) = with_effect("sensor_drift", &[drift]);
+        let (set, rows) = with_effect(SensorDrift::PLACE, &[drift]);
         for (name, instructions) in InstructionSet::all() {
             for (s, o) in rows.iter().zip(with_instructions(instructions, set, &rows, &options)) {
                 assert_eq!(o.settling_time_s.is_some(), settles, "{name} {drift}");

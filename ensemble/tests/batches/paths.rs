@@ -3,7 +3,7 @@
 use crate::common::{results, sealed, varied};
 use chamber::card::ClosedForm;
 use chamber::{EffectSet, effects};
-use ensemble::{Failure, Hold, Options, Scenario, Solver, has_code_of_its_own};
+use ensemble::{Failure, Options, Scenario, Solver, has_code_of_its_own};
 
 #[test]
 fn no_effect_by_itself_falls_back_to_the_slow_way_of_all_effects() {
@@ -60,7 +60,7 @@ fn a_row_that_cannot_be_solved_says_why_and_leaves_the_others_alone() {
         with(|s| s.initial_pressure_pa = -1.0),
         with(|s| s.initial_temperature_k = f64::NAN),
         with(|s| s.final_position_m = -1.0),
-        with(|s| s.hold = Hold::Duration(0.5 * s.push_time_s)),
+        with(|s| s.duration_s = 0.5 * s.push_time_s),
         with(|s| s.push_time_s = 0.0),
         with(|s| s.chamber.effects.of_mut(0)[0] = 1e-12),
         with(|s| s.mass_flow_out_kg_per_s = 1e-3),

@@ -1,9 +1,9 @@
 //! Sealed rows: against the exact solution, integrated, and integrated as rows into which next to nothing flows.
 
-use crate::common::{assert_close, assert_same, reference, results, sealed};
+use crate::common::{assert_close, assert_same, hold_for, reference, results, sealed};
 use crate::numbers::Numbers;
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Hold, Options, Outcome, Scenario, Solver};
+use chamber::{AreaLaw, EffectSet, effects, paper};
+use ensemble::{Options, Outcome, Scenario, Solver};
 
 /// Sealed tests by their exact solution, integrated, and integrated as rows into which next to nothing flows.
 fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
@@ -55,7 +55,7 @@ fn a_gas_that_its_surroundings_warm_or_cool_beyond_the_push_peaks_at_the_end_of_
     let mut scenarios = sealed(256);
     for s in &mut scenarios {
         s.initial_temperature_k = r.between(200.0, 420.0);
-        s.hold = Hold::TimeConstants(r.between(2.0, 15.0));
+        hold_for(s, r.between(2.0, 15.0));
     }
     let [exact, integrated, flowing] = three_ways(scenarios.clone(), false);
     for ((s, expected), found) in scenarios.iter().zip(&flowing).zip(exact.iter().zip(&integrated)) {
@@ -82,9 +82,7 @@ fn a_pressure_that_rises_to_the_end_has_not_settled_and_one_that_stands_has() {
 
 #[test]
 fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
-    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Swept);
-    let chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    let test = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.04));
+    let test = Scenario::push(paper::section_31(AreaLaw::Swept), 1e5, [0.1, 0.05], 0.04, 5.04);
     let fit = results(EffectSet::NONE, &[test], &Options::default())[0].fit.unwrap();
     assert_close(fit.time_constant_s, 0.4287, 2e-3, "tau");
     assert_close(fit.lambda_av_w_per_m2_k, 16.08, 2e-3, "lambda_av");

@@ -1,22 +1,24 @@
 //! What a sensor shows of the gas: against the integrator.
 
 use crate::common::{
-    assert_independent, assert_same, reference, results, sealed, with_a_curve_of_the_reading, with_instructions,
+    assert_independent, assert_same, changed, reference, results, sealed, section_31, set_first,
+    with_a_curve_of_the_reading, with_instructions,
 };
-use crate::numbers::Numbers;
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
-use ensemble::{Hold, InstructionSet, Options, Scenario, Solver};
+use chamber::effects::{RecordDelay, SensorDrift, SensorLag, SensorOffset, WarmWall};
+use chamber::{EffectSet, effects};
+use ensemble::{InstructionSet, Options, Scenario, Solver};
 
 #[test]
 fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
-    let lag = effects::SensorLag::PLACE;
     let mut scenarios = sealed(8);
-    for s in &mut scenarios {
-        s.chamber.effects.of_mut(lag)[0] = 0.01;
-    }
+    scenarios.iter_mut().for_each(|s| s.chamber = s.chamber.with(SensorLag::PLACE, &[0.01]));
     let [quick, slow] = [1.0, 1e4].map(|slower| {
-        let slowed = scenarios.iter().map(|s| Scenario { push_time_s: slower * s.push_time_s, ..s.clone() });
-        results(EffectSet::one(lag), &slowed.collect::<Vec<_>>(), &Options { fit: false, ..Options::default() })
+        let slow = |s: &Scenario| {
+            let push_time_s = slower * s.push_time_s;
+            Scenario { push_time_s, duration_s: s.duration_s - s.push_time_s + push_time_s, ..s.clone() }
+        };
+        let slowed = scenarios.iter().map(slow);
+        results(SensorLag::SET, &slowed.collect::<Vec<_>>(), &Options { fit: false, ..Options::default() })
     });
     assert!(quick.iter().all(|o| o.status == Ok(()) && o.exact));
     assert!(slow.iter().all(|o| o.status == Ok(()) && !o.exact));
@@ -24,27 +26,20 @@ fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
 
 #[test]
 fn what_a_sensor_shows_of_a_closed_form_agrees_with_the_integrator() {
-    let place = |name: &str| effects::find(name).unwrap().0;
-    let [lag, delay, offset, drift, warm] =
-        ["sensor_lag", "record_delay", "sensor_offset", "sensor_drift", "warm_wall"].map(place);
-    let set: EffectSet = [lag, delay, offset, drift, warm].into_iter().collect();
-    let mut r = Numbers(41);
-    let mut rows = sealed(512);
-    for (k, s) in rows.iter_mut().enumerate() {
-        let mut put = |effect: usize, on: bool, value: f64| {
-            if on {
-                s.chamber.effects.of_mut(effect)[0] = value;
-            }
-        };
-        put(lag, k % 2 > 0, r.log_between(1e-4, 1.0));
-        put(delay, k % 4 > 1, r.between(0.01, 0.95) * s.push_time_s);
-        put(offset, k % 3 > 0, r.between(-1e4, 1e4));
-        put(drift, k % 5 > 1, r.between(-1e4, 1e4));
-        put(warm, k % 7 > 4, r.between(-20.0, 20.0));
+    let set = effects::of_sensor().union(WarmWall::SET);
+    let rows = changed(512, 41, |k, s, r| {
+        let all = [
+            (SensorLag::PLACE, k % 2 > 0, r.log_between(1e-4, 1.0)),
+            (RecordDelay::PLACE, k % 4 > 1, r.between(0.01, 0.95) * s.push_time_s),
+            (SensorOffset::PLACE, k % 3 > 0, r.between(-1e4, 1e4)),
+            (SensorDrift::PLACE, k % 5 > 1, r.between(-1e4, 1e4)),
+            (WarmWall::PLACE, k % 7 > 4, r.between(-20.0, 20.0)),
+        ];
+        set_first(s, all);
         if k % 11 > 8 {
             s.initial_temperature_k = r.between(100.0, 600.0);
         }
-    }
+    });
     let with =
         |solver, relative_tolerance| results(set, &rows, &Options { solver, relative_tolerance, ..Options::default() });
     let mut integrated = with(Solver::Adaptive, 1e-12);
@@ -79,15 +74,9 @@ fn what_a_sensor_shows_by_a_curve_of_its_reading_agrees_with_the_plain_integrato
 }
 
 /// Whether the reading of the test of section 3.1, of 5 s, has settled behind sensors with some values of one effect.
-fn settles_behind(effect: &str, values: &[f64]) -> Vec<(String, Vec<bool>)> {
-    let effect = effects::find(effect).unwrap().0;
-    let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-    let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-    let test = |value: &f64| {
-        chamber.effects.of_mut(effect)[0] = *value;
-        Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(5.0))
-    };
-    let (set, rows): (_, Vec<_>) = (EffectSet::one(effect), values.iter().map(test).collect());
+fn settles_behind(effect: usize, values: &[f64]) -> Vec<(String, Vec<bool>)> {
+    let set = EffectSet::one(effect);
+    let rows: Vec<Scenario> = values.iter().map(|value| section_31(effect, &[*value], 5.0)).collect();
     let mut found = Vec::new();
     for (name, instructions) in InstructionSet::all() {
         for solver in [Solver::Auto, Solver::Adaptive] {
@@ -105,14 +94,14 @@ fn settles_behind(effect: &str, values: &[f64]) -> Vec<(String, Vec<bool>)> {
 #[test]
 fn a_record_so_late_that_it_does_not_show_the_gas_settle_has_not_settled() {
     // At the end it shows the gas of 5 s less the delay: of the hold, of the push, or of before the test.
-    for (name, settled) in settles_behind("record_delay", &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
+    for (name, settled) in settles_behind(RecordDelay::PLACE, &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
         assert_eq!(settled, [true, true, true, false, false, false, false, false], "{name}");
     }
 }
 
 #[test]
 fn a_record_that_lags_so_far_behind_that_it_is_still_on_its_way_has_not_settled() {
-    for (name, settled) in settles_behind("sensor_lag", &[0.0, 0.01, 0.1, 3.0]) {
+    for (name, settled) in settles_behind(SensorLag::PLACE, &[0.0, 0.01, 0.1, 3.0]) {
         assert_eq!(settled, [true, true, true, false], "{name}");
     }
 }

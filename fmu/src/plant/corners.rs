@@ -119,7 +119,7 @@ pub fn corners(
         }
     }
     let own = super::rates::own(states);
-    let of_effects = effects::kinks(moment.set, &moment.balance.chamber.effects, &own, &at, &rates);
+    let of_effects = moment.balance.chamber.effects.kinks(moment.set, &own, &at, &rates);
     out[EFFECTS..].copy_from_slice(&of_effects);
     out
 }

@@ -90,7 +90,7 @@ fn here(now: &Simulation) -> Here<'_> {
 
 /// What the sensor's chain adds; a longer delay shows an earlier reading.
 fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balances<D>) -> Sensor<D> {
-    let longer = effects::delay(now.plant.set, &balance.chamber.effects).tangent[0];
+    let longer = balance.chamber.effects.delay(now.plant.set).tangent[0];
     let delayed = now.delayed().map(|(value, rate)| Dual { value, tangent: [seed.delayed - rate * longer] });
     Sensor { elapsed: Dual { value: now.time - now.experiment.start, tangent: [seed.elapsed] }, delayed }
 }

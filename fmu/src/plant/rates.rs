@@ -5,7 +5,7 @@ use super::port::Around;
 use super::states::{ALL, HEAT, Origin, TRAVEL, WORK};
 use super::values::{OUTPUTS, output};
 use chamber::balance::{Balances, Boundary, Conditions, Contents, ENERGY, MASS, OWN, Rates};
-use chamber::effects::{self, EffectSet, OWN_STATES};
+use chamber::effects::{EffectSet, OWN_STATES};
 use chamber::real::Scalar;
 
 /// Outputs, states and rates of states.
@@ -66,7 +66,7 @@ impl<R: Scalar> Moment<'_, R> {
         let (at, rates, own_rates) = self.balances(states);
         let (set, values, boundary) = (self.set, &self.balance.chamber.effects, &self.boundary);
         let own = own(states);
-        let reading = |time: R| effects::reading(set, values, &own, at.pressure, time);
+        let reading = |time: R| values.reading(set, &own, at.pressure, time);
         // Drift is added after the delay: what time adds to the reading is added to the delayed one.
         let shown = reading(sensor.elapsed);
         let measured = sensor.delayed.map_or(shown, |earlier| earlier + (shown - reading(R::ZERO)));

@@ -118,7 +118,7 @@ impl Simulation {
 
     /// Delay of the record, s.
     pub fn delay(&self) -> f64 {
-        effects::delay(self.plant.set, &self.plant.balance.chamber.effects)
+        self.plant.balance.chamber.effects.delay(self.plant.set)
     }
 
     /// Whether the velocity alone moves the piston.

@@ -259,7 +259,7 @@ impl Course<'_> {
                 return [f64::NAN; GAS];
             }
             let contents = Contents::new(y[0], y[1], volume);
-            let (_, rates, _) = balance.evaluate_contents(EffectSet::NONE, &boundary, &contents, &[]);
+            let (_, rates, _) = balance.evaluate_within(&(), EffectSet::NONE, &boundary, &contents, &[]);
             [rates.mass, rates.energy, rates.heat_flow, rates.work]
         };
         let absolute = [absolute[MASS], absolute[ENERGY], f64::INFINITY, f64::INFINITY];
@@ -403,7 +403,7 @@ pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f6
     let contents = plant.balance.contents(boundary, states);
     let at = plant.balance.conditions(plant.set, boundary, &contents);
     let own: [f64; OWN_STATES] = core::array::from_fn(|i| states[OWN + i]);
-    effects::reading(plant.set, &plant.balance.chamber.effects, &own, at.pressure, 0.0)
+    plant.balance.chamber.effects.reading(plant.set, &own, at.pressure, 0.0)
 }
 
 const _: () = assert!(MASS == 0 && ENERGY == 1 && OWN == 2);

@@ -6,7 +6,7 @@ use crate::policy;
 use crate::record::between_rows::Look;
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
-use chamber::effects::{self, CARDS, EffectValues, ForcedConvection};
+use chamber::effects::{CARDS, EffectValues, ForcedConvection};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -131,10 +131,10 @@ impl Fit {
     pub fn looks(&self, data: &Data) -> Vec<Look> {
         let set = self.hypothesis.model.effects;
         let look = |values: &EffectValues| Look {
-            window_s: effects::stroke_window(set, values),
-            lag_s: effects::lag(set, values),
-            late_s: effects::delay(set, values) - effects::stroke_delay(set, values),
-            filter_s: effects::stroke_filter(set, values),
+            window_s: values.stroke_window(set),
+            lag_s: values.lag(set),
+            late_s: values.delay(set) - values.stroke_delay(set),
+            filter_s: values.stroke_filter(set),
         };
         data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
     }

@@ -116,12 +116,12 @@ pub fn is_timing(card: &Card) -> bool {
 
 /// Whether the effect shows the pressure late.
 pub fn delays_pressure(effect: usize) -> bool {
-    effects::delay(EffectSet::one(effect), &ones(effect)) > 0.0
+    ones(effect).delay(EffectSet::one(effect)) > 0.0
 }
 
 /// Whether the effect is a stroke that was recorded late.
 pub fn delays_position(effect: usize) -> bool {
-    effects::stroke_delay(EffectSet::one(effect), &ones(effect)) > 0.0
+    ones(effect).stroke_delay(EffectSet::one(effect)) > 0.0
 }
 
 fn ones(effect: usize) -> EffectValues {

@@ -9,7 +9,7 @@ use crate::fit;
 use crate::parameters::{Hypothesis, Model, delays_position, delays_pressure};
 use crate::record::data::Data;
 use chamber::Chamber;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::EffectSet;
 
 impl Search {
     /// Gives each record for itself what a digital low-pass of the pressure is early by, where the chosen model has that as a late
@@ -44,8 +44,8 @@ impl Search {
 /// By how much the pressures of a model are early beside the positions, s, where that may be a digital low-pass's.
 fn earliness(data: &Data, c: &Candidate) -> Option<f64> {
     let (of_rig, chamber) = (c.model.of_rig(), c.fit.chamber());
-    let early_s = effects::stroke_delay(of_rig, &chamber.effects) + effects::stroke_filter(of_rig, &chamber.effects);
-    let lags = effects::lag(of_rig, &chamber.effects) > 0.0;
+    let early_s = chamber.effects.stroke_delay(of_rig) + chamber.effects.stroke_filter(of_rig);
+    let lags = chamber.effects.lag(of_rig) > 0.0;
     (lags && early_s > 0.0 && early_s < data.shortest_row_s()).then_some(early_s)
 }
 

@@ -50,7 +50,7 @@ impl Truth<'_> {
     /// The sensor's readings at these times (ascending, from 0 on), beginning at rest at `pressure`.
     pub fn readings(&self, times: &[f64], pressure: f64) -> Vec<f64> {
         let set = self.chamber.active().without(effects::of_sensor());
-        let start_k = effects::rest_temperature(&self.chamber.effects, self.ambient_k) + self.start_warmer_k;
+        let start_k = self.chamber.effects.rest_temperature(self.ambient_k) + self.start_warmer_k;
         let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, start_k);
         state[OWN + effects::STATE_OFFSETS[WallHeating::PLACE]] += self.start_wall_warmer_k;
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;

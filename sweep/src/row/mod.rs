@@ -16,7 +16,7 @@ use crate::result::status::{Failure, Status};
 use crate::study::Study;
 use chamber::balance::{self, Boundary};
 use chamber::effects;
-use ensemble::{Hold, Scenario};
+use ensemble::Scenario;
 
 /// The push-and-hold test that a point of the study stands for.
 ///
@@ -30,7 +30,7 @@ pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
 
 /// A scenario that is none, to be set.
 pub fn no_test(study: &Study) -> Scenario {
-    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, Hold::Duration(f64::NAN))
+    Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, f64::NAN)
 }
 
 /// As [`scenario`], in place of one of the same study, of which what does not vary stays. What is left there is of no use
@@ -55,10 +55,10 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
     scenario.initial_pressure_pa = get(Base::InitialPressure);
     [scenario.initial_position_m, scenario.final_position_m] = geometry::strokes(&scenario.chamber.geometry, point)?;
     scenario.push_time_s = get(Base::PushTime);
-    scenario.hold = Hold::Duration(get(Base::Duration));
+    scenario.duration_s = get(Base::Duration);
     let initial_temperature = get(Base::InitialTemperature);
     scenario.initial_temperature_k = if initial_temperature.is_nan() {
-        effects::rest_temperature(&scenario.chamber.effects, get(Base::AmbientTemperature))
+        scenario.chamber.effects.rest_temperature(get(Base::AmbientTemperature))
     } else {
         initial_temperature
     };
@@ -73,7 +73,7 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
         if !hold.is_finite() {
             return Err(Failure::NoTimeConstant);
         }
-        scenario.hold = Hold::Duration(scenario.push_time_s + hold);
+        scenario.duration_s = scenario.push_time_s + hold;
     }
     Ok(())
 }
@@ -83,13 +83,13 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
 pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let chamber = &scenario.chamber;
     let ambient = scenario.ambient_temperature_k;
-    let rest = effects::rest_temperature(&chamber.effects, ambient);
+    let rest = chamber.effects.rest_temperature(ambient);
     let mass = scenario.initial_pressure_pa * chamber.geometry.volume(scenario.initial_position_m)
         / (chamber.gas.gas_constant * scenario.initial_temperature_k);
     let boundary = Boundary::closed(scenario.final_position_m, ambient, scenario.ambient_pressure_pa);
     let at = balance::conditions(chamber, &boundary, mass, mass * chamber.gas.cv() * rest);
     let set = chamber.active().without(effects::SINGULAR);
-    let coefficient = effects::heat_transfer_factor(set, &chamber.effects, &at, at.eichelberg);
-    let area = effects::heat_transfer_area(set, &chamber.effects, final_geometry(scenario).1);
+    let coefficient = chamber.effects.heat_transfer_factor(set, &at, at.eichelberg);
+    let area = chamber.effects.heat_transfer_area(set, final_geometry(scenario).1);
     mass * chamber.gas.cv() / (coefficient * area)
 }

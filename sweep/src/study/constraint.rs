@@ -7,7 +7,7 @@
 use crate::quantity::Base;
 use crate::quantity::point::Point;
 use crate::result::final_geometry;
-use ensemble::{Hold, Scenario};
+use ensemble::Scenario;
 
 /// A comparison that a row has to satisfy in order to be solved.
 #[derive(Clone, Debug)]
@@ -113,10 +113,7 @@ fn quantity_of(place: usize, point: &Point, scenario: &Scenario) -> f64 {
         () if is(Base::InitialTemperature) => scenario.initial_temperature_k,
         () if is(Base::TemperatureIn) => scenario.temperature_in_k,
         () if is(Base::VolumeToArea) || is(Base::VolumeToAreaByLength) => Geometry::VolumeToArea.value(scenario),
-        () if is(Base::Duration) => match scenario.hold {
-            Hold::Duration(duration) => duration,
-            Hold::TimeConstants(_) => f64::NAN,
-        },
+        () if is(Base::Duration) => scenario.duration_s,
         () => point.0[place],
     }
 }

@@ -165,7 +165,7 @@ fn named(name: &str) -> Result<Term, String> {
 mod tests {
     use super::*;
     use crate::quantity::point::Point;
-    use ensemble::{Hold, Scenario};
+    use ensemble::Scenario;
 
     /// Whether a comparison of numbers holds.
     fn holds(text: &str) -> bool {
@@ -174,7 +174,7 @@ mod tests {
             chamber::Geometry::new(0.02, 0.0, 1e-6, chamber::AreaLaw::Total),
             chamber::HeatTransfer::at_paper_reference(30.0),
         );
-        let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, Hold::Duration(3.0));
+        let scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 3.0);
         parse(text).unwrap().holds(&Point::EMPTY, &scenario)
     }
 

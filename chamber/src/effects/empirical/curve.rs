@@ -1,7 +1,7 @@
 //! The curve of an empirical term: its value, slope and knots.
 
 use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS};
-use crate::effects::nearer;
+use crate::effects::nearest;
 use crate::real::Real;
 
 /// The value at x, and its slope there.
@@ -46,9 +46,5 @@ pub fn first_knot<R: Real>(p: &[R], counts: R, from: R, to: R) -> R {
     if !counts.any_positive() {
         return to;
     }
-    let mut first = to;
-    for knot in &p[FIRST_KNOT..FIRST_VALUE] {
-        first = nearer(*knot, from, first);
-    }
-    counts.where_positive(first, to)
+    counts.where_positive(nearest(&p[FIRST_KNOT..FIRST_VALUE], from, to), to)
 }

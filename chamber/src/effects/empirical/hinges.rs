@@ -3,7 +3,7 @@
 use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS, TERM, VARIABLE, length, says};
 use super::term::Term;
 use super::variable::Variable;
-use crate::effects::nearer;
+use crate::effects::nearest;
 use crate::real::Real;
 
 /// A heat flow over the pressure as a sum of hinges, y(P) = first + Σ bend max(P − knot, 0): W, Pa and W/Pa.
@@ -24,11 +24,7 @@ impl<R: Real> Hinges<R> {
     /// The first knot after a pressure and before another, Pa; the latter where there is none.
     #[inline(always)]
     pub fn corner(&self, from: R, to: R) -> R {
-        let mut first = to;
-        for knot in self.knots {
-            first = nearer(knot, from, first);
-        }
-        first
+        nearest(&self.knots, from, to)
     }
 }
 

@@ -172,20 +172,11 @@ mod tests {
     use super::*;
     use crate::balance::{self, Boundary};
     use crate::dual::Dual;
-    use crate::effects::EffectValues;
-    use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+    use crate::paper::section_31;
+    use crate::{AreaLaw, Chamber};
 
     fn curve_of(term: Term, variable: Variable, knots: &[f64], values: &[f64]) -> Curve {
         Curve { term, variable, knots: knots.to_vec(), values: values.to_vec() }
-    }
-
-    fn chamber(curve: &Curve) -> Chamber {
-        let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
-        let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));
-        let mut effects = EffectValues::NEUTRAL;
-        effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
-        chamber.effects = effects;
-        chamber
     }
 
     #[test]
@@ -245,7 +236,7 @@ mod tests {
 
     /// dP/dt as the balance says it, and as the pressure of the moved states says it.
     fn pressure_rates(curve: &Curve) -> [f64; 2] {
-        let chamber = chamber(curve);
+        let chamber = section_31(AreaLaw::Total).with(Empirical::PLACE, &curve.parameters());
         let boundary = Boundary { velocity: -0.3, ..Boundary::closed(0.08, 293.0, 1.013e5) };
         let state = balance::state_at(&chamber, &boundary, 2.5e5, 340.0);
         let (at, rates, _) = balance::evaluate(chamber.active(), &chamber, &boundary, &state);

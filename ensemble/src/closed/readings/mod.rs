@@ -71,11 +71,10 @@ impl RecordAnswer {
         gas: Outcome,
     ) -> Outcome {
         let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
-        let positions = [s.initial_position_m, s.final_position_m];
         Outcome {
             pressure_peak_pa: self.peak,
             pressure_final_pa: self.last,
-            fit: regression.and_then(|found| fit::steps(s, positions, s.initial_pressure_pa, found)),
+            fit: regression.and_then(|found| fit::steps(s, found)),
             settling_time_s,
             flows_on,
             ..gas
@@ -92,7 +91,7 @@ impl RecordAnswer {
             gas.pressure_final_pa * (1.0 - cooled).abs()
         };
         let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
-        let going_on = (behind.sensor.drift * (gas.duration_s - s.push_time_s)).abs();
+        let going_on = (behind.sensor.drift * s.hold_s()).abs();
         Standing { distance, to_come, going_on, stands }
     }
 }

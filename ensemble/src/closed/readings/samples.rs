@@ -2,12 +2,12 @@
 
 use super::pieces::{Piece, Push, Shown, hold_ends};
 use super::{Memory, Readings, RecordAnswer};
-use crate::lanes::{Lanes, WIDTH, each_lane};
+use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::numerics::root::Curve;
 use crate::regression::Records;
 use crate::regression::relaxing::ENDS;
-use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
+use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ};
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -44,15 +44,14 @@ impl Readings<'_> {
     /// Lays the samples from the peak on out for the regression.
     pub fn lay_out(&self, answers: &[RecordAnswer; WIDTH], records: &mut Records) {
         let first = self.first_samples(answers);
-        records.clear();
-        self.arch.dispatch(Sample { readings: self, first, records });
+        records.begin_with(first);
+        self.arch.dispatch(Sample { readings: self, records });
     }
 }
 
 /// Samples, from the first that counts on, for the regression.
 struct Sample<'b, 'a> {
     readings: &'b Readings<'a>,
-    first: Lanes,
     records: &'b mut Records,
 }
 
@@ -89,14 +88,9 @@ impl Sample<'_, '_> {
     #[inline(always)]
     fn add(&mut self, times: [Lanes; 2], push: Option<Push>) {
         let Readings { tests, hold, sensors, .. } = self.readings;
-        let (push_end, first) = (tests.push, black_box(self.first));
+        let push_end = tests.push;
         let end = black_box(push_end + times[1]);
-        let next = black_box(each_lane!(i => samples::after(end.0[i])));
-        let count = black_box((next - first).max(Lanes::ZERO));
-        if !self.records.takes(count) {
-            return;
-        }
-        let nodes = black_box(Samples { first, count }.nodes());
+        let Some(nodes) = self.records.nodes_up_to(end) else { return };
         let pushed = if push.is_some() { Lanes::ONE } else { Lanes::ZERO };
         let curve = Shown { times, pushed, push, hold, sensors };
         let mut pressure = [Lanes::ZERO; POINTS];
@@ -105,7 +99,6 @@ impl Sample<'_, '_> {
             // Nodes without weight may stand anywhere.
             pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
         }
-        self.records.push(first, &nodes, &pressure);
-        self.first = black_box(first.max(next));
+        self.records.push(&nodes, &pressure);
     }
 }

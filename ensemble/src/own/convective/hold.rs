@@ -236,8 +236,8 @@ impl Followed for Held<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::gauss::{NODES, node};
     use crate::regression::relaxing::Relaxing;
-    use chamber::exact::GAUSS_16;
     use proptest::prelude::*;
     use pulp::Scalar;
 
@@ -246,10 +246,7 @@ mod tests {
     fn between(exponent: f64, rate: f64, wall: f64, [from, to]: [f64; 2]) -> f64 {
         let way = ((from - wall) / (to - wall)).ln();
         let parts = (4.0 * way).ceil();
-        let nodes = |part: f64| {
-            let places = GAUSS_16.iter().flat_map(|(x, w)| [(0.5 - 0.5 * x, 0.5 * w), (0.5 + 0.5 * x, 0.5 * w)]);
-            places.map(move |(x, w)| ((part + x) / parts, w / parts)).collect::<Vec<_>>()
-        };
+        let nodes = |part: f64| (0..NODES).map(node).map(move |(x, w)| ((part + x) / parts, w / parts));
         let slowness = |share: f64| {
             let difference = (from - wall) * (-way * share).exp();
             wall / (rate * (wall + difference) * (difference.abs() / REFERENCE_DIFFERENCE_K).powf(exponent))

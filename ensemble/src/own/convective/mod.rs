@@ -122,11 +122,6 @@ impl OwnTest<2> for ConvectiveTest {
     fn gas(&self) -> &SealedTest {
         &self.gas
     }
-
-    #[inline]
-    fn goes_one_way(&self, _: &[f64; 2]) -> bool {
-        true
-    }
 }
 
 /// The pushes of up to as many tests as there are lanes.
@@ -163,7 +158,6 @@ fn power(difference: Lanes, exponent: Lanes) -> Lanes {
 
 impl LaneSystem<2> for Moving {
     type Row = ConvectiveTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &ConvectiveTest) {
@@ -205,7 +199,6 @@ pub struct Held {
 
 impl LaneSystem<2> for Held {
     type Row = ConvectiveTest;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &ConvectiveTest) {

@@ -1,11 +1,10 @@
 //! Tests with natural convection as they come: the push of [`super`], and a hold that is a series
 //! ([`hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
 
-use super::hold::{self, Holds, Record, Solve};
+use super::hold::{self, Ends, Holds, Record, Solve};
 use super::{ConvectiveTest, EFFECTS};
 use crate::Batch;
-use crate::ending::{AfterPush, Ending};
-use crate::features::Timed;
+use crate::ending::{AfterPush, HoldsEnded};
 use crate::general::relaxing_rows;
 use crate::instructions::Wide;
 use crate::integrator::problem::Problem;
@@ -30,8 +29,8 @@ pub struct Memory {
 }
 
 impl Way for Memory {
-    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-        let law = |row: &Timed| batch.scenarios[row.0 as usize].chamber.geometry.area_law;
+    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
+        let law = |row: &u32| batch.scenarios[*row as usize].chamber.geometry.area_law;
         rows.sort_by_key(|row| law(row) == AreaLaw::Swept);
         for rows in rows.chunk_by(|a, b| law(a) == law(b)) {
             run(batch, self, rows, left, out);
@@ -40,20 +39,20 @@ impl Way for Memory {
 }
 
 /// Runs tests of one area law. Those are left whose pushes could not be followed in this way.
-fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
+fn run(batch: Batch, memory: &mut Memory, rows: &[u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, in_series, pushed, records, relaxing } = memory;
     adaptive::push(batch, rows, tests, problems);
     pushed.clear();
     in_series.clear();
-    for (index, ((problem, test), &(row, duration))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
+    for (index, ((problem, test), &row)) in problems.iter().zip(&*tests).zip(rows).enumerate() {
         if problem.failure.is_some() {
             left.push(row);
             continue;
         }
         let (gas, temperature) = (test.gas(), problem.state[0] * problem.state[0]);
         let energy = test.energy_of_push(problem.energy);
-        let after = gas.after_push((row, duration), &scenarios[row as usize], temperature, energy);
+        let after = gas.after_push(row, &scenarios[row as usize], temperature, energy);
         let wall = gas.closed.ambient_temperature;
         if after.failure.is_none() && hold::has_series(test.exponent, temperature, wall) {
             in_series.push((index, after));
@@ -73,26 +72,18 @@ fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, o
             wall: Lanes::from_fn(|lane| test(lane).gas().closed.ambient_temperature),
             pushed: Lanes::from_fn(|lane| problems[at(lane).0].state[0] * problems[at(lane).0].state[0]),
             push: Lanes::from_fn(|lane| scenario(lane).push_time_s),
-            hold: Lanes::from_fn(|lane| at(lane).1.duration - scenario(lane).push_time_s),
+            hold: Lanes::from_fn(|lane| scenario(lane).hold_s()),
         };
         let ends = arch.dispatch(Wide(Solve(&holds)));
-        let found = options.fit.then(|| {
+        let regressions = options.fit.then(|| {
             let guess = arch.dispatch(Wide(Record { holds: &holds, ends: &ends, per_temperature, records }));
             records.fit(arch, guess)
         });
+        let (Holds { wall, pushed, .. }, Ends { end, settling, .. }) = (holds, ends);
+        let pressure_per_temperature = per_temperature;
+        let ended = HoldsEnded { wall, pushed, end, pressure_per_temperature, settling, regressions };
         for (lane, (_, after)) in group.iter().enumerate() {
-            out[after.row as usize] = after.outcome(&Ending {
-                scenario: scenario(lane),
-                duration: after.duration,
-                wall: holds.wall[lane],
-                pushed: holds.pushed[lane],
-                end: ends.end[lane],
-                pressure_per_temperature: per_temperature[lane],
-                settling: ends.settling[lane],
-                flowing: 0.0,
-                relative_rate: None,
-                regression: found.as_ref().and_then(|found| found.lane(lane)),
-            });
+            out[after.row as usize] = after.outcome(&ended.ending(lane, scenario(lane)));
         }
     }
 }

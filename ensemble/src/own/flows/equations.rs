@@ -1,7 +1,7 @@
 //! The rates of ν = 1/√M and z = 1/√T: the equations in the head of [`super`], over lanes or over their series.
 
 use super::openings::{GasInside, Law, Passage};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use crate::numerics::series::Series;
 use chamber::real::Real;
 
@@ -138,7 +138,7 @@ impl Constants<Lanes> {
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Constants) {
         macro_rules! load {
-            ($($($name:ident).+),*) => { $(self.$($name).+[lane] = from.$($name).+;)* };
+            ($($name:tt)*) => { put!(self, lane, from; $($name)*) };
         }
         each_constant!(load);
         self.is_fed |= from.is_fed;

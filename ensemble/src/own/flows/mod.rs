@@ -20,7 +20,6 @@ mod equations;
 mod openings;
 
 use crate::integrator::advance::LONGEST;
-use crate::integrator::corner::{self, Corners};
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
@@ -33,8 +32,8 @@ use crate::scenario::Scenario;
 use chamber::real::Real;
 use core::hint::black_box;
 use equations::{Constants, PlaceFactors, State, energy};
+use openings::Law;
 pub use openings::{GAP, Gap, ORIFICES, Orifice};
-use openings::{Law, Passage};
 use std::marker::PhantomData;
 
 /// Share of the gas that a choked orifice lets through over a push, up to which it is no corner of the push where its flow turns: the
@@ -144,16 +143,6 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     }
 }
 
-/// The opening's corners, with the pressure at which the flow's turning is one.
-struct At<'a, L>(&'a Passage<Lanes>, Lanes, PhantomData<L>);
-
-impl<L: Law> Corners for At<'_, L> {
-    #[inline(always)]
-    fn corner(&self, from: Lanes, to: Lanes) -> Lanes {
-        L::corner(self.0, self.1, from, to)
-    }
-}
-
 /// Tests, one a lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving<L> {
@@ -169,7 +158,6 @@ pub struct Moving<L> {
 
 impl<L: Law> LaneSystem<2> for Moving<L> {
     type Row = FlowTest<L>;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &FlowTest<L>) {
@@ -221,8 +209,8 @@ impl<L: Law> LaneSystem<2> for Moving<L> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
-        corner::met(&At::<L>(&self.constants.passage, self.turn, PhantomData), h, ends, widening)
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
+        L::corner(&self.constants.passage, self.turn, from, to)
     }
 }
 
@@ -281,7 +269,6 @@ impl<L: Law> Held<L> {
 
 impl<L: Law> LaneSystem<2> for Held<L> {
     type Row = FlowTest<L>;
-    const CHEAP: bool = true;
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &FlowTest<L>) {
@@ -313,9 +300,9 @@ impl<L: Law> LaneSystem<2> for Held<L> {
     }
 
     #[inline(always)]
-    fn kink(&self, h: Lanes, ends: [[Lanes; 2]; 2], widening: Lanes) -> Lanes {
+    fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
         let passage = &self.constants.passage;
-        corner::met(&At::<L>(passage, passage.pressure, PhantomData), h, ends, widening)
+        L::corner(passage, passage.pressure, from, to)
     }
 }
 

@@ -50,7 +50,7 @@ pub trait Law: Copy + Default + Sync {
         let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
         [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
     }
-    /// As [`Corners::corner`](crate::integrator::corner::Corners::corner); where the flow turns it has one at the pressure `turn`.
+    /// As [`LaneSystem::kink`](crate::integrator::step::LaneSystem::kink); where the flow turns it has one at the pressure `turn`.
     fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
     /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
     /// the same parts of the law.

@@ -5,10 +5,9 @@
 use crate::conduction::Keep;
 use crate::conduction::rule::{NODES, RULE};
 use crate::conduction::step::GasAndWall;
-use crate::lanes::{Lanes, each_lane, multiply_add};
+use crate::lanes::{Lanes, multiply_add};
 use crate::numerics::root::{Beyond, Curve, root};
 use crate::outcome::SETTLED;
-use crate::regression::samples::{self, Samples};
 use crate::regression::{Guess, Records};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -132,22 +131,16 @@ impl WithSimd for Record<'_> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Guess {
         let Self { steps, push, per_temperature, relaxation: [rate, excess], records } = self;
-        records.clear();
-        let mut first = black_box(each_lane!(i => samples::from(push.0[i])));
+        records.begin_at(push);
         for step in steps {
             // Results pass through memory: else the compiler computes them lane by lane.
             let step = black_box(step);
             let end = black_box(push + step.end);
-            let next = black_box(each_lane!(i => samples::after(end.0[i])));
-            let count = black_box(next - first);
-            if !records.takes(count) {
-                continue;
+            if let Some(nodes) = records.nodes_up_to(end) {
+                let inside = black_box(step.inside());
+                let begin = black_box(end - step.length);
+                records.push(&nodes, &nodes.values(&inside, begin, step.length, per_temperature));
             }
-            let inside = black_box(step.inside());
-            let nodes = black_box(Samples { first, count }.nodes());
-            let begin = black_box(end - step.length);
-            records.push(first, &nodes, &nodes.values(&inside, begin, step.length, per_temperature));
-            first = next;
         }
         Guess::Relaxation { rate, excess, from: push }
     }

@@ -10,8 +10,7 @@ use crate::conduction::lengths::{LEVELS, OF_NODES};
 use crate::conduction::response::Response;
 use crate::conduction::step::GasAndWall;
 use crate::conduction::{HoldSteps, relative, through};
-use crate::ending::Ending;
-use crate::features::Timed;
+use crate::ending::HoldsEnded;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::problem::Problem;
@@ -52,39 +51,35 @@ fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
 }
 
 impl Way for Memory {
-    fn solve(&mut self, batch: Batch, rows: &mut [Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-        run(batch, self, rows, left, out);
-    }
-}
-
-/// Runs tests whose numbers are checked. Those are left that could not be solved in this way.
-fn run(batch: Batch, memory: &mut Memory, rows: &[Timed], left: &mut Vec<u32>, out: &mut [Outcome]) {
-    let Batch { arch, scenarios, options } = batch;
-    let relative = relative(options);
-    let Memory { tests, problems, open, .. } = memory;
-    tests.clear();
-    problems.clear();
-    for &(row, _) in rows {
-        let s = &scenarios[row as usize];
-        let test = Test::new(s);
-        problems.push(test.push(s, relative));
-        tests.push(test);
-    }
-    advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
-    open.clear();
-    for (index, ((problem, test), (row, _))) in problems.iter().zip(&*tests).zip(rows).enumerate() {
-        if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
-            open.push(index);
-        } else {
-            left.push(*row);
+    /// Those are left that could not be solved in this way.
+    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
+        let Batch { arch, scenarios, options } = batch;
+        let relative = relative(options);
+        let Self { tests, problems, open, .. } = self;
+        tests.clear();
+        problems.clear();
+        for &row in &*rows {
+            let s = &scenarios[row as usize];
+            let test = Test::new(s);
+            problems.push(test.push(s, relative));
+            tests.push(test);
         }
-    }
-    for level in 0..LEVELS {
-        for group in std::mem::take(&mut memory.open).chunks(WIDTH) {
-            hold(batch, memory, level, rows, group, out);
+        advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
+        open.clear();
+        for (index, ((problem, test), row)) in problems.iter().zip(&*tests).zip(&*rows).enumerate() {
+            if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
+                open.push(index);
+            } else {
+                left.push(*row);
+            }
         }
+        for level in 0..LEVELS {
+            for group in std::mem::take(&mut self.open).chunks(WIDTH) {
+                hold(batch, self, level, rows, group, out);
+            }
+        }
+        left.extend(self.open.drain(..).map(|index| rows[index]));
     }
-    left.extend(memory.open.drain(..).map(|index| rows[index].0));
 }
 
 /// Ends tests, as many as there are lanes, from their pushes on, with steps of a level; where these do not do they stay open.
@@ -92,15 +87,15 @@ fn hold(
     Batch { arch, scenarios, options }: Batch,
     memory: &mut Memory,
     level: usize,
-    rows: &[Timed],
+    rows: &[u32],
     group: &[usize],
     out: &mut [Outcome],
 ) {
     let Memory { tests, problems, open, last, steps, records, .. } = memory;
     let at = |lane: usize| group[lane.min(group.len() - 1)];
     let test = |lane: usize| &tests[at(lane)];
-    let scenario = |lane: usize| &scenarios[rows[at(lane)].0 as usize];
-    let parts = OF_NODES.parted_all(level, |lane| rows[at(lane)].1 - scenario(lane).push_time_s);
+    let scenario = |lane: usize| &scenarios[rows[at(lane)] as usize];
+    let parts = OF_NODES.parted_all(level, |lane| scenario(lane).hold_s());
     let length = Lanes::from_fn(|lane| parts[lane].1);
     last.reach(length, arch);
     let pushed = Lanes::from_fn(|lane| temperature(&problems[at(lane)].state));
@@ -116,15 +111,16 @@ fn hold(
         kept: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
-    let per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
-    let found = options.fit.then(|| {
+    let pressure_per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
+    let regressions = options.fit.then(|| {
         let rate = Lanes::from_fn(|lane| test(lane).gas.rate);
         let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / pushed[lane]);
         let push = Lanes::from_fn(|lane| scenario(lane).push_time_s);
-        let relaxation = [rate, excess];
+        let (relaxation, per_temperature) = ([rate, excess], pressure_per_temperature);
         let guess = arch.dispatch(Wide(dense::Record { steps, push, per_temperature, relaxation, records }));
         records.fit(arch, guess)
     });
+    let ended = HoldsEnded { wall, pushed, end, pressure_per_temperature, settling, regressions };
     for (lane, &index) in group.iter().enumerate() {
         let is_solved = reached[lane] > 0.0 && good[lane] > 0.0;
         if !is_solved {
@@ -133,18 +129,7 @@ fn hold(
         }
         let (row, scenario) = (rows[index], scenario(lane));
         let after = tests[index].gas.after_push(row, scenario, pushed[lane], problems[index].energy);
-        out[after.row as usize] = after.outcome(&Ending {
-            scenario,
-            duration: after.duration,
-            wall: wall[lane],
-            pushed: pushed[lane],
-            end: end[lane],
-            pressure_per_temperature: per_temperature[lane],
-            settling: settling[lane],
-            flowing: 0.0,
-            relative_rate: None,
-            regression: found.as_ref().and_then(|found| found.lane(lane)),
-        });
+        out[after.row as usize] = after.outcome(&ended.ending(lane, scenario));
     }
 }
 
