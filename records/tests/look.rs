@@ -258,6 +258,45 @@ fn a_pressure_of_unknown_reference_is_marked_and_a_stated_one_is_not() {
 }
 
 #[test]
+fn readings_far_off_tell_neither_where_pressures_count_from_nor_their_unit() {
+    for marker in ["0", "-0.02", "-9999", "9.9E37", "1e9"] {
+        for name in ["p", "pressure_pa", "p (bar abs)", "p_abs", "Absolutdruck"] {
+            let unit = if name == "pressure_pa" { 1e5 } else { 1.0 };
+            let row = |t: f64, p: f64, x: f64| match (t - 1.0).abs() < 1e-6 {
+                true => format!("{t},{marker},{x}"),
+                false => format!("{t},{},{x}", p * 1e-5 * unit),
+            };
+            let text = table(&format!("time_s,{name},position_m"), row);
+            let (_folder, _, look, trace) = looked_at("marker.csv", text.as_bytes());
+            let pressure = look.guess.of(Quantity::Pressure).unwrap();
+            assert!(!pressure.gauge, "{marker} in {name}");
+            assert_eq!(pressure.unit.factor * unit, 1e5, "{marker} in {name}");
+            assert!(!["0", "-0.02", "-9999"].contains(&marker) || trace.left_out.len() == 1, "{marker} in {name}");
+        }
+    }
+}
+
+#[test]
+fn readings_around_zero_are_gauge_and_marked_unless_the_name_says_so() {
+    for (name, remark) in [
+        ("p", Some("CHECK: taken as gauge, since many readings are at or below zero")),
+        ("pressure_pa", Some("although the name is that of absolute pressures")),
+        ("p gauge", None),
+    ] {
+        let unit = if name == "pressure_pa" { 1.0 } else { 1e-5 };
+        let row = |t: f64, p: f64, x: f64| format!("{t},{},{x}", (p - 102_000.0) * unit);
+        let (_folder, _, look, _) = looked_at("p.csv", table(&format!("time_s,{name},position_m"), row).as_bytes());
+        assert!(look.guess.of(Quantity::Pressure).unwrap().gauge, "{name}");
+        let rig = rig_file(&look, &UserInput::default());
+        let line = rig.lines().find(|line| line.starts_with("pressure = ")).unwrap();
+        match remark {
+            Some(remark) => assert!(line.contains(remark), "{line}"),
+            None => assert!(!line.contains("gauge, since"), "{line}"),
+        }
+    }
+}
+
+#[test]
 fn a_voltage_is_left_to_the_user() {
     let text = table("t (s);U1 pressure [V];U2 position [V]", |t, p, x| format!("{t};{:.6};{:.6}", p / 1e5, x * 10.0));
     let folder = TempDir::new().unwrap();

@@ -93,9 +93,7 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     }
     if column.quantity == Quantity::Pressure {
         keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };
-        if column.reference_guessed {
-            remarks.push("CHECK: absolute or gauge? the file does not say");
-        }
+        remarks.extend(column.reference.remark());
     }
     if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
         write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
