@@ -134,6 +134,9 @@ pub enum RowProblem {
     /// Not-a-number or infinity.
     #[error("column `{column}`: `{value}` is not a finite number")]
     NotFinite { column: String, value: String },
+    /// A number by which an instrument says that it has none.
+    #[error("column `{column}`: `{value}` is an instrument's mark of no reading")]
+    NoReading { column: String, value: String },
     /// A time that another row has already.
     #[error("column `{column}`: time does not increase, {} s occurs twice", seconds(*value))]
     TimeRepeats { column: String, value: f64 },
