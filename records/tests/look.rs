@@ -277,6 +277,28 @@ fn readings_far_off_tell_neither_where_pressures_count_from_nor_their_unit() {
 }
 
 #[test]
+fn a_unit_in_the_name_is_taken_in_every_spelling_and_an_unknown_one_is_told() {
+    for (header, unit, factor) in [
+        ("Pressure mbar(a)", "mbar", 100.0),
+        ("Druck mbar abs", "mbar", 100.0),
+        ("p (inHg)", "inHg", 3386.3886),
+        ("p [mH2O]", "mH2O", 9806.65),
+        ("p (cmH2O abs)", "cmH2O", 98.0665),
+        ("p (bar) abs", "bar", 1e5),
+    ] {
+        let text = table(&format!("time_s,{header},position_m"), |t, p, x| format!("{t},{},{x}", p / factor));
+        let (_folder, _, look, trace) = looked_at("p.csv", text.as_bytes());
+        let pressure = look.guess.of(Quantity::Pressure).unwrap();
+        assert_eq!((pressure.unit.name, pressure.unit_guessed, pressure.gauge), (unit, false, false), "{header}");
+        assert!((trace.pressure_pa.unwrap()[0] / example().pressure_pa.unwrap()[0] - 1.0).abs() < 1e-5, "{header}");
+    }
+    let text = table("time_s,Pressure (dyn/mm2),position_m", |t, p, x| format!("{t},{},{x}", p * 1e-5));
+    let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
+    let rig = rig_file(&look, &UserInput::default());
+    assert!(rig.contains("CHECK the unit: `dyn/mm2` is none that is read; guessed from the values"), "{rig}");
+}
+
+#[test]
 fn readings_around_zero_are_gauge_and_marked_unless_the_name_says_so() {
     for (name, remark) in [
         ("p", Some("CHECK: taken as gauge, since many readings are at or below zero")),

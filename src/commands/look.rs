@@ -135,7 +135,11 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
         let holds = column.map_or("", |column| column.quantity.key());
         let unit = column.map_or(String::new(), |column| {
             let gauge = if column.gauge { " gauge" } else { "" };
-            let guessed = if column.unit_guessed { "  (guessed from the values)" } else { "" };
+            let guessed = match &column.unknown_unit {
+                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is no unit that is read)"),
+                None if column.unit_guessed => "  (guessed from the values)".to_owned(),
+                None => String::new(),
+            };
             format!("{}{gauge}{guessed}", column.unit.name)
         });
         let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);

@@ -17,6 +17,8 @@ pub struct Guessed {
     pub unit: &'static Unit,
     /// Whether the unit was taken from the values.
     pub unit_guessed: bool,
+    /// What stands in the place of a unit and is none that is read.
+    pub unknown_unit: Option<String>,
     /// Whether it is in percent of a range that the file does not tell.
     pub in_percent: bool,
     /// Whether pressures count from the surroundings'.
@@ -75,9 +77,10 @@ impl Described {
         let name = dialect.names[place].clone();
         let line = dialect.units.as_ref().and_then(|(_, units)| units.get(place)).filter(|unit| !unit.is_empty());
         let (stem, own) = name_and_unit(&name);
+        let behind = own.and_then(|unit| name[stem.len()..].split_once(unit)).map_or("", |(_, behind)| behind);
         Self {
             place,
-            words: words(stem),
+            words: words(&format!("{stem} {behind}")),
             unit: line.cloned().or(own.map(str::to_owned)),
             moments: sample.moments.get(place).is_some_and(|moments| *moments),
             numbers: sample.numbers.get(place).is_some_and(|numbers| !numbers.is_empty()),
@@ -154,6 +157,18 @@ impl Described {
         self.words.iter().any(|word| known.iter().any(|begin| word.starts_with(begin)))
     }
 
+    /// What stands where a unit would: in the units line, or in the last brackets of the name.
+    fn unknown_unit(&self) -> Option<String> {
+        const NO_UNITS: [&str; 7] = ["a", "g", "abs", "absolute", "gauge", "rel", "%"];
+        let in_brackets = || {
+            let open = self.name.rfind(['[', '(', '<'])?;
+            self.name[open + 1..].split([']', ')', '>']).next()
+        };
+        let said = self.unit.as_deref().or_else(in_brackets)?.trim();
+        let is_unit = !said.is_empty() && !NO_UNITS.contains(&said.to_lowercase().as_str());
+        is_unit.then(|| said.to_owned())
+    }
+
     /// The column as that quantity's.
     pub fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
         let stated = self.unit.as_deref().and_then(|unit| quantity.unit_spelled(unit));
@@ -181,6 +196,7 @@ impl Described {
             name: if own_name { self.name.clone() } else { format!("column {}", self.place + 1) },
             unit: known.unwrap_or_else(by_value),
             unit_guessed: known.is_none(),
+            unknown_unit: if known.is_none() { self.unknown_unit() } else { None },
             in_percent: known.is_none()
                 && (self.name.contains('%') || self.unit.as_deref().is_some_and(|unit| unit.contains('%'))),
             gauge: quantity == Quantity::Pressure && gauge,
