@@ -235,6 +235,10 @@ fn positions_from_the_other_end_and_below_zero_are_turned_and_said() {
     let text = table("t (s),p (bar),x (mm)", |t, p, x| format!("{t},{:.6},{:.4}", p / 1e5, 200.0 - x * 1e3));
     let (_folder, _, look, trace) = looked_at("turned.csv", text.as_bytes());
     assert_eq!(look.guess.of(Quantity::Position).unwrap().sign, -1.0);
+    let rig = rig_file(&look, &UserInput::default());
+    let check =
+        "CHECK: offset_m is guessed from where the piston moved in this record; replace it by what the sensor shows";
+    assert!(rig.lines().any(|line| line.starts_with("position = ") && line.contains(check)), "{rig}");
     let expected = example();
     let shift = trace.position_m[0] - expected.position_m[0];
     assert!(trace.position_m.iter().zip(&expected.position_m).all(|(a, b)| (a - b - shift).abs() < 1e-6));

@@ -104,8 +104,15 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     }
     if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
         write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
+        let reading = if column.sign < 0.0 { "" } else { "minus " };
         remarks.push(
             "CHECK: the position must count from the end of the chamber and fall as the gas is compressed".into(),
+        );
+        remarks.push(
+            format!(
+                "CHECK: offset_m is guessed from where the piston moved in this record; replace it by {reading}what the sensor shows, in m, with the piston at the end of the chamber"
+            )
+            .into(),
         );
     }
     let remarks = if remarks.is_empty() { String::new() } else { format!("  # {}", remarks.join("; ")) };
