@@ -98,16 +98,27 @@ fn a_header_without_rows_is_refused() {
 }
 
 #[test]
-fn numbers_in_quotes_with_decimal_commas_are_told_from_none() {
-    let folder = tempfile::tempdir().unwrap();
+fn numbers_in_quotes_with_decimal_commas_are_read_and_the_rig_file_says_so() {
+    let text = table("\"Zeit (s)\",\"Druck (bar)\",\"Weg (mm)\"", |t, p, x| {
+        [format!("{t:.3}"), format!("{:.6}", p / 1e5), format!("{:.4}", x * 1e3)]
+            .map(|number| format!("\"{}\"", comma(number)))
+            .join(",")
+    });
+    assert_is_the_example("quoted.csv", text.as_bytes());
+}
+
+#[test]
+fn a_refusal_says_that_there_is_no_rig_file_yet() {
+    let folder = TempDir::new().unwrap();
     let path = folder.path().join("run.csv");
-    let row = |k: i32| format!("\"0,{k:02}\",\"101325,5\",\"0,1\"\n");
-    std::fs::write(&path, "t,p,x\n".to_owned() + &(0..50).map(row).collect::<String>()).unwrap();
+    std::fs::write(&path, table("time_s,p (bar abs),position_m", |t, p, x| format!("{t},{},{x}", p * 1e-5 - 1.1)))
+        .unwrap();
     let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
-    assert!(
-        message.ends_with("line 2: the numbers have decimal commas; say decimal = \",\" in the rig's [format]"),
-        "{message}"
-    );
+    assert!(message.contains("cannot be an absolute pressure"), "{message}");
+    assert!(message.ends_with("there is no rig file yet: write one by hand that says so)"), "{message}");
+    let names = Names { pressure: Some("p (bar ab)".to_owned()), ..Names::default() };
+    let message = Look::at(&path, &names).unwrap_err().to_string();
+    assert!(message.contains("did you mean `p (bar abs)`?") && !message.contains("rig"), "{message}");
 }
 
 #[cfg(unix)]

@@ -60,6 +60,9 @@ fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result 
     for quantity in look.guess.missing() {
         writeln!(out, "# {} = {{ name = \"...\", unit = \"{}\" }}  # FILL IN", quantity.key(), quantity.si_unit())?;
     }
+    if let Some(decimal) = look.format.decimal {
+        writeln!(out, "\n[format]\ndecimal = \"{}\"", decimal.name())?;
+    }
     let cycles = stated.cycles.as_deref().unwrap_or_default();
     if cycles.is_empty() {
         let none_found = if stated.cycles.is_some() { "  # CHECK: no push-and-hold test was found" } else { "" };
