@@ -205,8 +205,17 @@ fn starts(model: &Model) -> Starts {
 
 /// UTC time of generation: that of SOURCE_DATE_EPOCH, else the model's.
 fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String>> {
-    let Some(epoch) = epoch else { return Ok(model.provenance.date.clone()) };
-    let seconds: u64 =
-        epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: expected whole seconds since 1970"))?;
+    let Some(epoch) = epoch else {
+        let as_moment = |date: &String| {
+            records::as_utc(date).with_context(|| {
+                format!("provenance.date = \"{date}\" is no date; expected one like \"2026-11-21T12:00:00Z\"")
+            })
+        };
+        return model.provenance.date.as_ref().map(as_moment).transpose();
+    };
+    let seconds = epoch.trim().parse().ok().filter(|seconds| *seconds <= records::LAST_SECOND);
+    let seconds = seconds.with_context(|| {
+        format!("SOURCE_DATE_EPOCH = {epoch}: expected whole seconds since 1970, before the year 10000")
+    })?;
     Ok(Some(records::utc(seconds)))
 }

@@ -99,6 +99,19 @@ fn readings_far_off_are_no_part_of_the_record_in_an_fmu_nor_of_the_error() {
 }
 
 #[test]
+fn what_is_no_date_does_not_become_one_in_an_fmu() {
+    let bench = bench();
+    bench.file("dated.toml", format!("{MODEL}[provenance]\ndate = \"yesterday\"\n"));
+    let sentence = bench.refusal(&["fmu", "dated.toml", "-o", "a.fmu"]);
+    assert!(sentence.contains("provenance.date = \"yesterday\" is no date"), "{sentence}");
+    for epoch in ["99999999999999", "-1", "now"] {
+        let call = bench.command().args(["fmu", "model.toml", "-o", "a.fmu"]).env("SOURCE_DATE_EPOCH", epoch).output();
+        let told = text(&call.unwrap().stderr);
+        assert!(told.contains("expected whole seconds since 1970, before the year 10000"), "{epoch}: {told}");
+    }
+}
+
+#[test]
 fn a_version_of_fmi_is_known_with_and_without_its_decimal() {
     let bench = bench();
     for (version, told) in [("2", "FMI 2.0"), ("2.0", "FMI 2.0"), ("3", "FMI 3.0"), ("3.0", "FMI 3.0")] {
