@@ -6,7 +6,8 @@
 
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
-use chamber::{Geometry, effects};
+use crate::row::geometry;
+use chamber::{AreaLaw, Geometry, effects};
 use ensemble::{Solver, WITHOUT_CLOSED_FORM};
 use records::Model;
 use report::number::shortest;
@@ -137,6 +138,7 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
         let message = format!("takes {most}, but at a final stroke of {stroke} m every bore gives less than {limit} m");
         return Err(refused(Base::VolumeToArea, &message));
     }
+    a_bore(bounds, law)?;
     if let (Some(most), Some(bore)) = (bounds.most(Base::VolumeToAreaByLength), bounds.most(Base::Bore)) {
         let geometry = Geometry::new(bore, bounds.least(Base::Rod).unwrap_or(0.0), 0.0, law);
         let limit = 1.0 / (geometry.heat_transfer_area(1.0) - geometry.heat_transfer_area(0.0));
@@ -144,6 +146,33 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
             let message = format!("takes {most}, but at a bore of {bore} m every length gives less than {limit:.6} m");
             return Err(refused(Base::VolumeToAreaByLength, &message));
         }
+    }
+    Ok(())
+}
+
+/// A volume-to-area ratio is one that some bore gives: the greatest at the most volume, the least at the least.
+fn a_bore(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
+    let (Some(wanted), Some(rods)) = (bounds.get(Base::VolumeToArea), bounds.get(Base::Rod)) else { return Ok(()) };
+    let too_much = |rod: f64| {
+        let of = |base| bounds.most(base).unwrap_or(0.0);
+        geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law)
+    };
+    let too_little = |rod: f64| {
+        let of = |base| bounds.least(base).unwrap_or(0.0);
+        geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law)
+    };
+    let rods = [*rods.start(), *rods.end()];
+    let limit = rods.map(|rod| *too_much(rod).end()).into_iter().fold(0.0, f64::max);
+    if wanted.end().is_finite() && *wanted.end() > limit {
+        let message =
+            format!("takes {}, but no bore gives more than {limit:.6} m at the strokes of the test", wanted.end());
+        return Err(refused(Base::VolumeToArea, &message));
+    }
+    let limit = rods.map(|rod| *too_little(rod).start()).into_iter().fold(f64::INFINITY, f64::min);
+    if *wanted.start() < limit {
+        let message =
+            format!("takes {}, but no bore gives less than {limit:.6e} m at the strokes of the test", wanted.start());
+        return Err(refused(Base::VolumeToArea, &message));
     }
     Ok(())
 }
