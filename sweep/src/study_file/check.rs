@@ -153,28 +153,23 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
 /// A volume-to-area ratio is one that some bore gives: the greatest at the most volume, the least at the least.
 fn a_bore(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
     let (Some(wanted), Some(rods)) = (bounds.get(Base::VolumeToArea), bounds.get(Base::Rod)) else { return Ok(()) };
-    let too_much = |rod: f64| {
-        let of = |base| bounds.most(base).unwrap_or(0.0);
-        geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law)
+    let ratios = |volume: fn(&Bounds, Base) -> Option<f64>| {
+        let of = |base| volume(bounds, base).unwrap_or(0.0);
+        let at = |rod: f64| geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law);
+        let [a, b] = [at(*rods.start()), at(*rods.end())];
+        [a.start().min(*b.start()), a.end().max(*b.end())]
     };
-    let too_little = |rod: f64| {
-        let of = |base| bounds.least(base).unwrap_or(0.0);
-        geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law)
+    let ([least, _], [_, most]) = (ratios(Bounds::least), ratios(Bounds::most));
+    let message = match wanted {
+        _ if wanted.end().is_finite() && *wanted.end() > most => {
+            format!("takes {}, but no bore gives more than {most:.6} m at the strokes of the test", wanted.end())
+        }
+        _ if *wanted.start() < least => {
+            format!("takes {}, but no bore gives less than {least:.3e} m at the strokes of the test", wanted.start())
+        }
+        _ => return Ok(()),
     };
-    let rods = [*rods.start(), *rods.end()];
-    let limit = rods.map(|rod| *too_much(rod).end()).into_iter().fold(0.0, f64::max);
-    if wanted.end().is_finite() && *wanted.end() > limit {
-        let message =
-            format!("takes {}, but no bore gives more than {limit:.6} m at the strokes of the test", wanted.end());
-        return Err(refused(Base::VolumeToArea, &message));
-    }
-    let limit = rods.map(|rod| *too_little(rod).start()).into_iter().fold(f64::INFINITY, f64::min);
-    if *wanted.start() < limit {
-        let message =
-            format!("takes {}, but no bore gives less than {limit:.6e} m at the strokes of the test", wanted.start());
-        return Err(refused(Base::VolumeToArea, &message));
-    }
-    Ok(())
+    Err(refused(Base::VolumeToArea, &message))
 }
 
 fn refused(base: Base, message: &str) -> Refused {
