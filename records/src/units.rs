@@ -258,8 +258,10 @@ pub fn says_gauge(spelling: &str) -> bool {
 
 /// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
 pub fn says_absolute(spelling: &str) -> bool {
-    let text = unbracketed(spelling).to_lowercase();
-    without_absolute(&text).is_some()
+    let text = unbracketed(spelling);
+    // A capital by itself is a chamber's letter: `p_kPa_A`.
+    let is_of_chamber = text.ends_with("_A") || text.ends_with(" A");
+    !is_of_chamber && without_absolute(&text.to_lowercase()).is_some()
 }
 
 #[cfg(test)]
@@ -321,7 +323,7 @@ mod tests {
             assert_eq!(Quantity::Pressure.unit_spelled(spelling).map(|unit| unit.name), Some(name), "{spelling}");
             assert!(says_absolute(spelling) && !says_gauge(spelling), "{spelling}");
         }
-        for none in ["a", "pa", "kpa", "(a)", "area", "abs"] {
+        for none in ["a", "pa", "kpa", "(a)", "area", "abs", "kPa_A", "bar A"] {
             assert!(!says_absolute(none), "{none}");
         }
         let parts = ["Pressure mbar(a)", "Druck mbar abs", "p (bar) absolute"].map(name_and_unit);
