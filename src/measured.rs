@@ -1,21 +1,31 @@
 //! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it,
-//! but for the stroke, which is linear from row to row.
+//! but for the stroke, which is linear from row to row. Readings far off are left out, as `pneutherm validate` does.
 
 use crate::other_rig;
 use crate::simulation::course::along_record;
 use anyhow::Context;
 use chamber::signals::Signals;
+use chamber::simulate::{Sample, Start};
 use fmu::package::validation::Validation;
-use identify::record::checks;
+use identify::record::data::{Data, Prepared};
 use identify::record::unit::Declared;
+use identify::record::{checks, far_off, outliers};
 use records::{Model, Rig, Trace};
+use std::collections::HashMap;
 
-/// Each record of the rig, with the error of the model on it.
+/// Each record of the rig, with the error of the model on it, and which readings are left out of them.
 ///
 /// # Errors
 /// A record without pressure, or one that the model cannot follow.
-pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<Vec<Validation>> {
-    rig.traces().map(|record| validation(model, rig, record)).collect()
+pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<(Vec<Validation>, Vec<String>)> {
+    let followed = rig.traces().map(|record| Followed::of(model, rig, record)).collect::<anyhow::Result<Vec<_>>>()?;
+    let left_out = left_out(rig, &followed);
+    let notes = followed.iter().zip(&left_out).filter_map(|(f, rows)| {
+        let Trace { path, lines, time_s, .. } = f.record;
+        far_off::sentence(path, rows, lines, time_s)
+    });
+    let notes = notes.collect();
+    Ok((followed.into_iter().zip(&left_out).map(|(f, rows)| f.validation(model, rows)).collect(), notes))
 }
 
 /// What to know beside the errors: rows left out, and what makes a model's error another than that of a prediction.
@@ -23,25 +33,79 @@ pub fn notes(model: &Model, rig: &Rig) -> Vec<String> {
     rig.notes().into_iter().chain(other_rig::notes(model, rig)).collect()
 }
 
-fn validation(model: &Model, rig: &Rig, record: &Trace) -> anyhow::Result<Validation> {
-    let pressure_pa =
-        record.pressure_pa.clone().with_context(|| format!("{}: no pressure column", record.path.display()))?;
-    checks::level(&record.path, &pressure_pa, Declared::of(rig))?;
-    let (signals, start, samples) = along_record(model, record)?;
-    let squares: f64 =
-        samples.iter().zip(&pressure_pa).map(|(sample, measured)| (measured - sample.measured_pressure).powi(2)).sum();
-    let begin = record.time_s[0];
-    let name = record.path.file_name().unwrap_or(record.path.as_os_str());
-    Ok(Validation {
-        record: name.to_string_lossy().into_owned(),
-        took_part: model.provenance.is_of(record),
-        error_pa: (squares / samples.len() as f64).sqrt(),
-        start: vec![("initialPressure", start.pressure), ("initialTemperature", start.temperature)],
-        input_time_s: signals.knots.iter().map(|knot| knot.time - begin).collect(),
-        inputs: inputs(&signals),
-        time_s: record.time_s.iter().map(|time| time - begin).collect(),
-        pressure_pa,
-    })
+/// A record and the model along it.
+struct Followed<'a> {
+    record: &'a Trace,
+    pressure_pa: &'a [f64],
+    signals: Signals,
+    start: Start,
+    /// Measured less model, row by row, Pa.
+    residuals: Vec<f64>,
+}
+
+impl<'a> Followed<'a> {
+    fn of(model: &Model, rig: &Rig, record: &'a Trace) -> anyhow::Result<Self> {
+        let pressure_pa =
+            record.pressure_pa.as_deref().with_context(|| format!("{}: no pressure column", record.path.display()))?;
+        checks::level(&record.path, pressure_pa, Declared::of(rig))?;
+        let (signals, start, samples) = along_record(model, record)?;
+        let residual = |(measured, sample): (&f64, &Sample)| measured - sample.measured_pressure;
+        let residuals = pressure_pa.iter().zip(&samples).map(residual).collect();
+        Ok(Self { record, pressure_pa, signals, start, residuals })
+    }
+
+    /// What the FMU gets of it, without some rows' pressures.
+    fn validation(self, model: &Model, left_out: &[usize]) -> Validation {
+        let Self { record, pressure_pa, signals, start, residuals } = self;
+        let rows: Vec<usize> = (0..record.len()).filter(|row| left_out.binary_search(row).is_err()).collect();
+        let squares: f64 = rows.iter().map(|&row| residuals[row].powi(2)).sum();
+        let begin = record.time_s[0];
+        let name = record.path.file_name().unwrap_or(record.path.as_os_str());
+        Validation {
+            record: name.to_string_lossy().into_owned(),
+            took_part: model.provenance.is_of(record),
+            error_pa: (squares / rows.len() as f64).sqrt(),
+            start: vec![("initialPressure", start.pressure), ("initialTemperature", start.temperature)],
+            input_time_s: signals.knots.iter().map(|knot| knot.time - begin).collect(),
+            inputs: inputs(&signals),
+            time_s: rows.iter().map(|&row| record.time_s[row] - begin).collect(),
+            pressure_pa: rows.iter().map(|&row| pressure_pa[row]).collect(),
+        }
+    }
+}
+
+/// Rows of each record that are far off. None of records that cannot be prepared for a comparison, which `validate` refuses.
+fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Vec<Vec<usize>> {
+    let none = || vec![Vec::new(); followed.len()];
+    let Ok(data) = Data::prepare(rig) else { return none() };
+    if data.traces.len() != followed.len() {
+        return none();
+    }
+    let rows: Vec<Vec<usize>> = data.traces.iter().zip(followed).map(|(t, f)| rows_of(t, f.record)).collect();
+    let residuals: Vec<Vec<f64>> =
+        rows.iter().zip(followed).map(|(rows, f)| rows.iter().map(|&row| f.residuals[row]).collect()).collect();
+    let found = outliers::in_residuals(&data, &residuals);
+    let data = data.without(&found);
+    let of_record = |(t, rows): (&Prepared, &Vec<usize>)| {
+        let mut found: Vec<usize> = t.readout.outliers.iter().map(|&row| rows[row]).collect();
+        found.sort_unstable();
+        found
+    };
+    data.traces.iter().zip(&rows).map(of_record).collect()
+}
+
+/// The row of the record that each prepared row is: that of the same line, as some rows are not prepared.
+fn rows_of(prepared: &Prepared, record: &Trace) -> Vec<usize> {
+    let count = prepared.time_s.len();
+    if count == record.len() {
+        return (0..count).collect();
+    }
+    let of_line: HashMap<usize, usize> =
+        (0..record.len()).filter_map(|row| Some((record.lines.of(row)?, row))).collect();
+    let last = record.len() - 1;
+    (0..count)
+        .map(|row| prepared.lines.of(row).and_then(|line| of_line.get(&line).copied()).unwrap_or(row.min(last)))
+        .collect()
 }
 
 /// The inputs at the knots; flows only where some were recorded. The velocity is that of the stretch from a knot to the next.

@@ -56,7 +56,7 @@ pub use measurement::{Sensor, Tolerance};
 pub use model::Model;
 pub use names::{nearest, repeated};
 pub use opened::opened_from;
-pub use provenance::{OfEachRecord, Provenance, Rmse, SourceTrace, Verdict, utc};
+pub use provenance::{LAST_SECOND, OfEachRecord, Provenance, Rmse, SourceTrace, Verdict, as_utc, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use shut::shut_from;
 pub use statistics::{DEVIATION_OF_MEDIAN, bends, correlation, extremes, median, noise_of_bends, turned_back};

@@ -8,11 +8,13 @@ use crate::toml_text::quoted;
 use crate::trace::Trace;
 use chamber::card::Scope;
 use chamber::effects::{self, EffectSet};
-use chrono::{DateTime, Utc};
+use chrono::{DateTime, NaiveDate, NaiveDateTime, NaiveTime};
 use std::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 const OF_EACH_RECORD: &str = "of_each_record";
+/// The last second of the year 9999, since 1970: years of more digits are none in most formats.
+pub const LAST_SECOND: u64 = 253_402_300_799;
 
 /// Where a model's numbers come from. All of it may be absent in a model written by hand.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -198,6 +200,17 @@ impl Rmse {
     }
 }
 
+/// A date, or a date and time, as a moment in UTC, `2026-11-21T12:00:00Z`: one without a zone is of UTC, one without a time its
+/// midnight. `None` of what is no date.
+pub fn as_utc(text: &str) -> Option<String> {
+    let text = text.trim();
+    let moment = DateTime::parse_from_rfc3339(text).map(|moment| moment.to_utc());
+    let local = || text.parse::<NaiveDateTime>().map(|moment| moment.and_utc());
+    let day = || text.parse::<NaiveDate>().map(|day| day.and_time(NaiveTime::MIN).and_utc());
+    let moment = moment.or_else(|_| local()).or_else(|_| day()).ok()?;
+    u64::try_from(moment.timestamp()).ok().filter(|seconds| *seconds <= LAST_SECOND).map(utc)
+}
+
 /// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.
 fn today() -> String {
     let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.trim().parse().ok());
@@ -205,10 +218,10 @@ fn today() -> String {
     utc(fixed.unwrap_or_else(now))
 }
 
-/// Seconds since 1970 as a moment in UTC, `2026-11-21T12:00:00Z`.
+/// Seconds since 1970 as a moment in UTC, `2026-11-21T12:00:00Z`; at the latest [`LAST_SECOND`].
 pub fn utc(seconds: u64) -> String {
-    let moment = i64::try_from(seconds).ok().and_then(|seconds| DateTime::from_timestamp(seconds, 0));
-    moment.unwrap_or(DateTime::<Utc>::MAX_UTC).format("%Y-%m-%dT%H:%M:%SZ").to_string()
+    let seconds = i64::try_from(seconds.min(LAST_SECOND)).unwrap_or_default();
+    DateTime::from_timestamp(seconds, 0).unwrap_or_default().format("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
 #[cfg(test)]
@@ -222,5 +235,22 @@ mod tests {
         assert_eq!(utc(951_782_400), "2000-02-29T00:00:00Z");
         assert_eq!(utc(1_795_262_400), "2026-11-21T12:00:00Z");
         assert_eq!(utc(4_107_542_400), "2100-03-01T00:00:00Z");
+        assert_eq!([utc(LAST_SECOND), utc(u64::MAX)], ["9999-12-31T23:59:59Z"; 2]);
+    }
+
+    #[test]
+    fn a_date_is_a_moment_in_utc_and_a_word_is_none() {
+        for (text, moment) in [
+            ("2026-11-21T12:00:00Z", Some("2026-11-21T12:00:00Z")),
+            ("2026-11-21T12:00:00.5+02:00", Some("2026-11-21T10:00:00Z")),
+            ("2026-11-21T12:00:00", Some("2026-11-21T12:00:00Z")),
+            ("2026-11-21", Some("2026-11-21T00:00:00Z")),
+            ("yesterday", None),
+            ("21.11.2026", None),
+            ("+262142-12-31T23:59:59Z", None),
+            ("", None),
+        ] {
+            assert_eq!(as_utc(text).as_deref(), moment, "{text}");
+        }
     }
 }

@@ -26,7 +26,7 @@ pub struct Unit {
     pub factor: f64,
     /// ... and what is then added.
     pub offset: f64,
-    /// How else column names and units lines spell it, in lower case; gauge pressures' units are known without.
+    /// How else column names and units lines spell it, in lower case; those of gauge and absolute pressures are known without.
     pub spellings: &'static [&'static str],
 }
 
@@ -42,8 +42,13 @@ pub const CLOCK: &str = "clock";
 const VOLTS: Unit = unit(VOLT, 1.0, &["volt", "volts"]);
 /// psi = lbf/in² = 0.45359237 · 9.80665 / 0.0254² Pa
 const PSI_PA: f64 = 0.453_592_37 * 9.806_65 / (0.0254 * 0.0254);
-/// Of mercury at 0 °C: 13595.1 kg/m³ · 9.80665 m/s² · 1 mm.
+/// Of mercury at 0 °C, 13595.1 kg/m³, under 9.80665 m/s²: 1 mm are 133.322 Pa, 1 in is 3386.389 Pa.
 const MMHG_PA: f64 = 13.5951 * 9.806_65;
+const INHG_PA: f64 = 25.4 * MMHG_PA;
+/// Of water of 1000 kg/m³, the conventional one, under 9.80665 m/s²: 1 mm is 9.80665 Pa.
+const MMH2O_PA: f64 = 9.806_65;
+/// Of water at 4 °C, 999.972 kg/m³, under 9.80665 m/s².
+const INH2O_PA: f64 = 249.089;
 
 const TIME: [Unit; 8] = [
     unit("s", 1.0, &["sec", "secs", "second", "seconds", "sek", "sekunden"]),
@@ -55,21 +60,22 @@ const TIME: [Unit; 8] = [
     unit("d", 86_400.0, &["day", "days"]),
     unit(CLOCK, 1.0, &["hh:mm:ss", "hh:mm:ss.fff", "hms"]),
 ];
-const PRESSURE: [Unit; 11] = [
+const PRESSURE: [Unit; 16] = [
     unit("Pa", 1.0, &["pascal"]),
     unit("hPa", 1e2, &[]),
-    unit("kPa", 1e3, &["kpaa", "kpa abs", "kn/m2", "kn/m²"]),
-    unit("MPa", 1e6, &["mpaa", "n/mm2", "n/mm²"]),
-    unit("bar", 1e5, &["bara", "bar(a)", "bar abs", "bar_a", "barabs"]),
-    unit("mbar", 1e2, &["mbara"]),
-    unit("psi", PSI_PA, &["psia", "psi(a)", "lbf/in2", "lbf/in²"]),
+    unit("kPa", 1e3, &["kn/m2", "kn/m²"]),
+    unit("MPa", 1e6, &["n/mm2", "n/mm²"]),
+    unit("bar", 1e5, &["bars"]),
+    unit("mbar", 1e2, &["millibar"]),
+    unit("psi", PSI_PA, &["lbf/in2", "lbf/in²", "lb/in2", "lb/in²"]),
     unit("atm", 101_325.0, &[]),
-    unit(
-        "kgf/cm2",
-        98_066.5,
-        &["kgf/cm²", "kgf/cm^2", "kg/cm2", "kg/cm²", "kg/cm^2", "kg/cm2g", "kg/cm2a", "kp/cm2", "kp/cm²"],
-    ),
-    unit("mmHg", MMHG_PA, &["torr"]),
+    unit("kgf/cm2", 98_066.5, &["kgf/cm²", "kgf/cm^2", "kg/cm2", "kg/cm²", "kg/cm^2", "kp/cm2", "kp/cm²"]),
+    unit("mmHg", MMHG_PA, &["mm hg", "torr"]),
+    unit("inHg", INHG_PA, &["in hg", "\"hg"]),
+    unit("mmH2O", MMH2O_PA, &["mm h2o", "mmh₂o", "mmws", "mmwc"]),
+    unit("cmH2O", 10.0 * MMH2O_PA, &["cm h2o", "cmh₂o", "cmws", "cmwc"]),
+    unit("mH2O", 1e3 * MMH2O_PA, &["m h2o", "mh₂o", "mws", "mwc"]),
+    unit("inH2O", INH2O_PA, &["in h2o", "inh₂o", "inwc", "in wc", "\"wc"]),
     VOLTS,
 ];
 const POSITION: [Unit; 7] = [
@@ -164,8 +170,9 @@ impl Quantity {
             let alike = |unit: &&Unit| unit.name.to_lowercase() == spelling || unit.spellings.contains(&spelling);
             self.units().iter().find(alike)
         };
-        let gauge = || (self == Quantity::Pressure).then(|| without_gauge(&lower)).flatten().and_then(spelled);
-        exact.or_else(|| spelled(&lower)).or_else(gauge)
+        let bare = |without: fn(&str) -> Option<&str>| (self == Quantity::Pressure).then(|| without(&lower)).flatten();
+        let referred = || bare(without_gauge).or_else(|| bare(without_absolute)).and_then(spelled);
+        exact.or_else(|| spelled(&lower)).or_else(referred)
     }
 }
 
@@ -177,6 +184,8 @@ pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     for at in open {
         let inside = name[at + 1..].trim_end().trim_end_matches([']', '>']);
         let inside = if known(inside) { inside } else { inside.strip_suffix(')').unwrap_or(inside) };
+        // Words may follow: `p (bar) abs`.
+        let inside = if known(inside) { inside } else { inside.split([']', ')', '>']).next().unwrap_or(inside) };
         if known(inside) {
             return (&name[..at], Some(inside));
         }
@@ -194,7 +203,10 @@ pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
 /// (`p_atm`, `x_in`).
 pub fn sure_unit(name: &str, only_in_brackets: bool) -> Option<&str> {
     /// Units that are no other word.
-    const NO_OTHER_WORD: [&str; 11] = ["Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "ms", "us", "mm", "cm"];
+    const NO_OTHER_WORD: [&str; 16] = [
+        "Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "mmHg", "inHg", "cmH2O", "mH2O", "inH2O", "ms", "us", "mm",
+        "cm",
+    ];
     let (stem, unit) = name_and_unit(name);
     let unit = unit?;
     let bracketed = name[stem.len()..].trim_start().starts_with(['[', '(', '<']);
@@ -216,25 +228,40 @@ fn unbracketed(text: &str) -> &str {
 /// A pressure's unit, in lower case, without what says that it counts from the surroundings': `bar` of `bar(g)`, `bar g`, `bar_g`
 /// and, in German, `barü`; `None` where nothing says so.
 fn without_gauge(spelling: &str) -> Option<&str> {
-    const SIGNS: [&str; 5] = ["gauge", "rel", "ue", "ü", "g"];
-    const UNITS: [&str; 5] = ["bar", "mbar", "psi", "kpa", "mpa"];
-    let open =
-        spelling.strip_suffix(')').filter(|inside| inside.contains('(')).unwrap_or(spelling).trim_end_matches('.');
-    let unit = |sign: &&str| Some(open.strip_suffix(*sign)?.trim_end_matches([' ', '_', '(']));
-    SIGNS.iter().filter_map(unit).find(|unit| UNITS.contains(unit))
+    without_sign(spelling, &["gauge", "relative", "relativ", "rel", "ue", "ü", "g"])
+}
+
+/// The same of one that says that it counts from vacuum: `mbar` of `mbar(a)`, `mbar abs`, `mbara`.
+fn without_absolute(spelling: &str) -> Option<&str> {
+    without_sign(spelling, &["absolute", "absolut", "abs", "a"])
+}
+
+fn without_sign<'s>(spelling: &'s str, signs: &[&str]) -> Option<&'s str> {
+    let open = spelling
+        .strip_suffix([')', ']'])
+        .filter(|inside| inside.contains(['(', '[']))
+        .unwrap_or(spelling)
+        .trim_end_matches('.');
+    let unit = |sign: &&str| Some(open.strip_suffix(*sign)?.trim_end_matches([' ', '_', '(', '[']));
+    let is_unit = |text: &&str| {
+        let alike = |unit: &Unit| unit.name.to_lowercase() == **text || unit.spellings.contains(text);
+        PRESSURE.iter().any(|unit| unit.name != VOLT && alike(unit))
+    };
+    signs.iter().filter_map(unit).find(is_unit)
 }
 
 /// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
-    text == "kg/cm2g" || without_gauge(&text).is_some()
+    without_gauge(&text).is_some()
 }
 
 /// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
 pub fn says_absolute(spelling: &str) -> bool {
-    let text = unbracketed(spelling).to_lowercase();
-    ["psia", "bara", "mbara", "kpaa", "mpaa", "kg/cm2a", "psi(a)", "bar(a)", "bar_a", "bar abs", "barabs", "kpa abs"]
-        .contains(&text.as_str())
+    let text = unbracketed(spelling);
+    // A capital by itself is a chamber's letter: `p_kPa_A`.
+    let is_of_chamber = text.ends_with("_A") || text.ends_with(" A");
+    !is_of_chamber && without_absolute(&text.to_lowercase()).is_some()
 }
 
 #[cfg(test)]
@@ -278,6 +305,39 @@ mod tests {
         }
         assert_eq!(name_and_unit("Druck (bar g)"), ("Druck ", Some("bar g")));
         assert_eq!(name_and_unit("Druck A [bar Ü]"), ("Druck A ", Some("bar Ü")));
+    }
+
+    #[test]
+    fn an_absolute_pressure_s_unit_is_known_however_that_is_written() {
+        for (spelling, name) in [
+            ("mbar(a)", "mbar"),
+            ("mbar abs", "mbar"),
+            ("(mbar absolut)", "mbar"),
+            ("bar (abs.)", "bar"),
+            ("kPaa", "kPa"),
+            ("hPa a", "hPa"),
+            ("inHg abs", "inHg"),
+            ("bar_a", "bar"),
+            ("kg/cm2a", "kgf/cm2"),
+        ] {
+            assert_eq!(Quantity::Pressure.unit_spelled(spelling).map(|unit| unit.name), Some(name), "{spelling}");
+            assert!(says_absolute(spelling) && !says_gauge(spelling), "{spelling}");
+        }
+        for none in ["a", "pa", "kpa", "(a)", "area", "abs", "kPa_A", "bar A"] {
+            assert!(!says_absolute(none), "{none}");
+        }
+        let parts = ["Pressure mbar(a)", "Druck mbar abs", "p (bar) absolute"].map(name_and_unit);
+        assert_eq!(parts.map(|(_, unit)| unit), [Some("mbar(a)"), Some("mbar abs"), Some("bar")]);
+    }
+
+    #[test]
+    fn columns_of_mercury_and_water_are_pressures() {
+        let pa = |text| Quantity::Pressure.unit_spelled(text).map_or(f64::NAN, |unit| unit.factor);
+        let stated = [("inHg", 3386.389), ("mmHg", 133.322), ("mH2O", 9806.65), ("cmH2O", 98.0665), ("inH2O", 249.089)];
+        for (unit, expected) in stated {
+            assert!((pa(unit) / expected - 1.0).abs() < 4e-6, "{unit}: {}", pa(unit));
+        }
+        assert_eq!([pa("in Hg"), pa("mmWS"), pa("Torr")], [pa("inHg"), 9.80665, pa("mmHg")]);
     }
 
     #[test]

@@ -98,16 +98,27 @@ fn a_header_without_rows_is_refused() {
 }
 
 #[test]
-fn numbers_in_quotes_with_decimal_commas_are_told_from_none() {
-    let folder = tempfile::tempdir().unwrap();
+fn numbers_in_quotes_with_decimal_commas_are_read_and_the_rig_file_says_so() {
+    let text = table("\"Zeit (s)\",\"Druck (bar)\",\"Weg (mm)\"", |t, p, x| {
+        [format!("{t:.3}"), format!("{:.6}", p / 1e5), format!("{:.4}", x * 1e3)]
+            .map(|number| format!("\"{}\"", comma(number)))
+            .join(",")
+    });
+    assert_is_the_example("quoted.csv", text.as_bytes());
+}
+
+#[test]
+fn a_refusal_says_that_there_is_no_rig_file_yet() {
+    let folder = TempDir::new().unwrap();
     let path = folder.path().join("run.csv");
-    let row = |k: i32| format!("\"0,{k:02}\",\"101325,5\",\"0,1\"\n");
-    std::fs::write(&path, "t,p,x\n".to_owned() + &(0..50).map(row).collect::<String>()).unwrap();
+    std::fs::write(&path, table("time_s,p (bar abs),position_m", |t, p, x| format!("{t},{},{x}", p * 1e-5 - 1.1)))
+        .unwrap();
     let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
-    assert!(
-        message.ends_with("line 2: the numbers have decimal commas; say decimal = \",\" in the rig's [format]"),
-        "{message}"
-    );
+    assert!(message.contains("cannot be an absolute pressure"), "{message}");
+    assert!(message.ends_with("there is no rig file yet: write one by hand that says so)"), "{message}");
+    let names = Names { pressure: Some("p (bar ab)".to_owned()), ..Names::default() };
+    let message = Look::at(&path, &names).unwrap_err().to_string();
+    assert!(message.contains("did you mean `p (bar abs)`?") && !message.contains("rig"), "{message}");
 }
 
 #[cfg(unix)]
@@ -235,6 +246,10 @@ fn positions_from_the_other_end_and_below_zero_are_turned_and_said() {
     let text = table("t (s),p (bar),x (mm)", |t, p, x| format!("{t},{:.6},{:.4}", p / 1e5, 200.0 - x * 1e3));
     let (_folder, _, look, trace) = looked_at("turned.csv", text.as_bytes());
     assert_eq!(look.guess.of(Quantity::Position).unwrap().sign, -1.0);
+    let rig = rig_file(&look, &UserInput::default());
+    let check =
+        "CHECK: offset_m is guessed from where the piston moved in this record; replace it by what the sensor shows";
+    assert!(rig.lines().any(|line| line.starts_with("position = ") && line.contains(check)), "{rig}");
     let expected = example();
     let shift = trace.position_m[0] - expected.position_m[0];
     assert!(trace.position_m.iter().zip(&expected.position_m).all(|(a, b)| (a - b - shift).abs() < 1e-6));
@@ -254,6 +269,67 @@ fn a_pressure_of_unknown_reference_is_marked_and_a_stated_one_is_not() {
         let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
         let rig = rig_file(&look, &UserInput::default());
         assert_eq!(rig.contains("CHECK: absolute or gauge?"), marked, "{header}: {rig}");
+    }
+}
+
+#[test]
+fn readings_far_off_tell_neither_where_pressures_count_from_nor_their_unit() {
+    for marker in ["0", "-0.02", "-9999", "9.9E37", "1e9"] {
+        for name in ["p", "pressure_pa", "p (bar abs)", "p_abs", "Absolutdruck"] {
+            let unit = if name == "pressure_pa" { 1e5 } else { 1.0 };
+            let row = |t: f64, p: f64, x: f64| match (t - 1.0).abs() < 1e-6 {
+                true => format!("{t},{marker},{x}"),
+                false => format!("{t},{},{x}", p * 1e-5 * unit),
+            };
+            let text = table(&format!("time_s,{name},position_m"), row);
+            let (_folder, _, look, trace) = looked_at("marker.csv", text.as_bytes());
+            let pressure = look.guess.of(Quantity::Pressure).unwrap();
+            assert!(!pressure.gauge, "{marker} in {name}");
+            assert_eq!(pressure.unit.factor * unit, 1e5, "{marker} in {name}");
+            assert!(marker == "1e9" || trace.left_out.len() == 1, "{marker} in {name}");
+        }
+    }
+}
+
+#[test]
+fn a_unit_in_the_name_is_taken_in_every_spelling_and_an_unknown_one_is_told() {
+    for (header, unit, factor) in [
+        ("Pressure mbar(a)", "mbar", 100.0),
+        ("Druck mbar abs", "mbar", 100.0),
+        ("p (inHg)", "inHg", 3386.3886),
+        ("p [mH2O]", "mH2O", 9806.65),
+        ("p (cmH2O abs)", "cmH2O", 98.0665),
+        ("p (bar) abs", "bar", 1e5),
+    ] {
+        let text = table(&format!("time_s,{header},position_m"), |t, p, x| format!("{t},{},{x}", p / factor));
+        let (_folder, _, look, trace) = looked_at("p.csv", text.as_bytes());
+        let pressure = look.guess.of(Quantity::Pressure).unwrap();
+        assert_eq!((pressure.unit.name, pressure.unit_guessed, pressure.gauge), (unit, false, false), "{header}");
+        assert!((trace.pressure_pa.unwrap()[0] / example().pressure_pa.unwrap()[0] - 1.0).abs() < 1e-5, "{header}");
+    }
+    let text = table("time_s,Pressure (dyn/mm2),position_m", |t, p, x| format!("{t},{},{x}", p * 1e-5));
+    let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
+    let rig = rig_file(&look, &UserInput::default());
+    assert!(rig.contains("CHECK the unit: `dyn/mm2` is none that is read; guessed from the values"), "{rig}");
+}
+
+#[test]
+fn readings_around_zero_are_gauge_and_marked_unless_the_name_says_so() {
+    for (name, remark) in [
+        ("p", Some("CHECK: taken as gauge, since many readings are at or below zero")),
+        ("pressure_pa", Some("although the name is that of absolute pressures")),
+        ("p gauge", None),
+    ] {
+        let unit = if name == "pressure_pa" { 1.0 } else { 1e-5 };
+        let row = |t: f64, p: f64, x: f64| format!("{t},{},{x}", (p - 102_000.0) * unit);
+        let (_folder, _, look, _) = looked_at("p.csv", table(&format!("time_s,{name},position_m"), row).as_bytes());
+        assert!(look.guess.of(Quantity::Pressure).unwrap().gauge, "{name}");
+        let rig = rig_file(&look, &UserInput::default());
+        let line = rig.lines().find(|line| line.starts_with("pressure = ")).unwrap();
+        match remark {
+            Some(remark) => assert!(line.contains(remark), "{line}"),
+            None => assert!(!line.contains("gauge, since"), "{line}"),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::axis::{Axis, Ticks};
 use crate::canvas::{Along, Area, Canvas, GRID, INK, LABEL_PX, NOISE, TITLE_PX, UNITS, failed, on, text, units};
+use crate::page::without_control;
 use crate::series::{self, Series};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -200,7 +201,7 @@ pub fn sheet(title: &str, charts: &[Chart<'_>], columns: usize) -> Result<String
         root.present().map_err(failed)?;
     }
     let size = |each: f64| format!("<svg width=\"{}\" height=\"{}\"", each * f64::from(width), each * f64::from(total));
-    Ok(svg.replacen(&size(UNITS), &size(1.0), 1))
+    Ok(without_control(&svg.replacen(&size(UNITS), &size(1.0), 1)))
 }
 
 /// At most so many, keeping the smallest and largest of each stretch.

@@ -126,14 +126,28 @@ fn emphasised(text: &str) -> String {
     parts.map(|(i, part)| if i % 2 == 0 { escaped(part) } else { format!("<b>{}</b>", escaped(part)) }).collect()
 }
 
-/// Text for HTML.
+/// Text for HTML, its control characters replaced.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    without_control(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// Text with `\u{fffd}` in the place of each character that XML and HTML forbid.
+pub(crate) fn without_control(text: &str) -> String {
+    let is_forbidden =
+        |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
+    text.replace(is_forbidden, "\u{fffd}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn control_characters_do_not_get_into_a_page() {
+        assert_eq!(inline("a\u{1}b \u{1b}[1m\tc\n"), "a\u{fffd}b \u{fffd}[1m\tc\n");
+        let svg = crate::chart::sheet("a\u{0}b\u{b}", &[], 1);
+        assert!(svg.is_ok_and(|svg| !svg.contains(['\u{0}', '\u{b}'])));
+    }
 
     #[test]
     fn text_is_escaped_backticks_are_code_and_asterisks_emphasis() {

@@ -27,7 +27,8 @@ Example:
 
 Every FMU contains a push and hold with the result of the model, as a reference experiment (FMI-LS-REF). With --validation it \
 contains the records of that rig too: the recorded stroke, from which a position_delay or position_averaging of the model is \
-taken, the start values, the measured pressure and the error of the model, all as `pneutherm simulate` computes them.
+taken, the start values, the measured pressure and the error of the model, all as `pneutherm simulate` computes them. \
+Readings far off are left out and named, as `pneutherm validate` does.
 
 The importing tool can change every start value. The generation date in the FMU is SOURCE_DATE_EPOCH, or else the date of the \
 model, so that the same model gives the same bytes.")]
@@ -71,8 +72,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::note(&format!("{}: most tools open an FMU only if its name ends in .fmu", args.output.display()));
     }
     // With what the model says of how a stroke is recorded: the inputs inside are the piston's true stroke.
-    let validations = rig.as_ref().map_or_else(|| Ok(Vec::new()), |rig| measured::validations(&whole, rig))?;
-    rig.iter().flat_map(|rig| measured::notes(&whole, rig)).for_each(|note| output::note(&note));
+    let (validations, left_out_rows) =
+        rig.as_ref().map_or_else(|| Ok(Default::default()), |rig| measured::validations(&whole, rig))?;
+    rig.iter().flat_map(|rig| measured::notes(&whole, rig)).chain(left_out_rows).for_each(|note| output::note(&note));
     let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
@@ -202,8 +204,17 @@ fn starts(model: &Model) -> Starts {
 
 /// UTC time of generation: that of SOURCE_DATE_EPOCH, else the model's.
 fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String>> {
-    let Some(epoch) = epoch else { return Ok(model.provenance.date.clone()) };
-    let seconds: u64 =
-        epoch.parse().with_context(|| format!("SOURCE_DATE_EPOCH = {epoch}: expected whole seconds since 1970"))?;
+    let Some(epoch) = epoch else {
+        let as_moment = |date: &String| {
+            records::as_utc(date).with_context(|| {
+                format!("provenance.date = \"{date}\" is no date; expected one like \"2026-11-21T12:00:00Z\"")
+            })
+        };
+        return model.provenance.date.as_ref().map(as_moment).transpose();
+    };
+    let seconds = epoch.trim().parse().ok().filter(|seconds| *seconds <= records::LAST_SECOND);
+    let seconds = seconds.with_context(|| {
+        format!("SOURCE_DATE_EPOCH = {epoch}: expected whole seconds since 1970, before the year 10000")
+    })?;
     Ok(Some(records::utc(seconds)))
 }

@@ -135,8 +135,13 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
         let holds = column.map_or("", |column| column.quantity.key());
         let unit = column.map_or(String::new(), |column| {
             let gauge = if column.gauge { " gauge" } else { "" };
-            let guessed = if column.unit_guessed { "  (guessed from the values)" } else { "" };
-            format!("{}{gauge}{guessed}", column.unit.name)
+            let reversed = if column.sign < 0.0 { " reversed" } else { "" };
+            let guessed = match &column.unknown_unit {
+                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is no unit that is read)"),
+                None if column.unit_guessed => "  (guessed from the values)".to_owned(),
+                None => String::new(),
+            };
+            format!("{}{gauge}{reversed}{guessed}", column.unit.name)
         });
         let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);
     }
@@ -144,6 +149,10 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
     match &look.found {
         Some(found) => {
             record(&mut out, found, tests);
+            let position = look.guess.of(Quantity::Position);
+            if position.is_some_and(|position| position.sign < 0.0) {
+                out += "note: the position is reversed, as its sensor counts from the other end; where the chamber's end is, offset_m, is a guess\n";
+            }
             if in_volts {
                 out += "note: a volt counts as one SI unit here; scale and offset of its column are to be filled in\n";
             }

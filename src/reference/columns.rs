@@ -13,7 +13,9 @@ fn page() -> String {
         ["key in `[columns]`", "default column", "units"],
         Quantity::ALL.map(|q| [code(q.key()), code(q.default_name()), q.unit_names().collect::<Vec<_>>().join(", ")]),
     );
-    page += "\nThe first unit is that of the default column.\n\n## Output of `simulate`\n\n";
+    page += "\nThe first unit is that of the default column. Columns of mercury are at 0 °C (13595.1 kg/m³), columns of water have \
+             1000 kg/m³ (mmH2O, cmH2O, mH2O) or are at 4 °C (inH2O, 249.089 Pa), both under 9.80665 m/s². A pressure's unit may say from where \
+             it counts: `mbar(a)`, `bar abs`, `psig`, `bar rel`.\n\n## Output of `simulate`\n\n";
     page += &table(["column", "unit", ""], COLUMNS.iter().map(|c| [code(c.name), c.unit.to_owned(), c.doc.to_owned()]));
     page += "\nWith `--samples` each column but time has two more, the ends of its prediction band: `pressure_low_pa`, `pressure_high_pa` \
              and so on. The band of `pressure_pa` is that of a future record, noise included.\n";

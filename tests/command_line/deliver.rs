@@ -1,6 +1,6 @@
 //! `pneutherm fmu` and `pneutherm sweep`: what they write, and what they refuse.
 
-use crate::common::{Bench, MODEL, RIG, text};
+use crate::common::{Bench, MODEL, RIG, motion, text};
 
 const STUDY: &str = "\
 [study]
@@ -60,6 +60,55 @@ fn a_record_inside_an_fmu_has_the_error_of_simulate_though_its_stroke_is_recorde
     let error = (squares / measured.len() as f64).sqrt();
     assert!((stated.parse::<f64>().unwrap() / error - 1.0).abs() < 1e-2, "{told} {error}");
     assert!(told.contains("left out of the model: position_delay"), "{told}");
+}
+
+#[test]
+fn readings_far_off_are_no_part_of_the_record_in_an_fmu_nor_of_the_error() {
+    let bench = bench();
+    let noise = |k: usize| f64::from(u8::try_from(k * 7919 % 101).unwrap()) - 50.0;
+    bench.call(0, &["simulate", "model.toml", "--motion", "motion.csv", "-o", "clean.csv"]);
+    let clean = std::fs::read_to_string(bench.path("clean.csv")).unwrap();
+    let columns: Vec<&str> = clean.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let (pressure, motion) = (place("pressure_pa"), motion());
+    // One marker in the rest, one spike in the hold.
+    let record = |spoilt: &[(usize, &str)]| {
+        let row = |(k, (line, clean)): (usize, (&str, &str))| {
+            let (time, rest) = line.split_once(',').unwrap();
+            let (_, position) = rest.split_once(',').unwrap();
+            let value: f64 = clean.split(',').nth(pressure).unwrap().parse().unwrap();
+            let value =
+                spoilt.iter().find(|(row, _)| *row == k).map_or(format!("{}", value + noise(k)), |s| s.1.into());
+            format!("{time},{value},{position}\n")
+        };
+        let rows = motion.lines().skip(1).zip(clean.lines().skip(1)).enumerate().map(row);
+        "time_s,pressure_pa,position_m\n".to_owned() + &rows.collect::<String>()
+    };
+    let told = |spoilt: &[(usize, &str)]| {
+        bench.file("motion.csv", record(spoilt));
+        let output = bench.call(0, &["fmu", "model.toml", "--validation", "rig.toml", "-o", "a.fmu"]);
+        let told = text(&output.stdout);
+        let stated = told.split("error of the model ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+        (stated.parse::<f64>().unwrap(), text(&output.stderr))
+    };
+    let (error, note) = told(&[]);
+    assert!((20.0..40.0).contains(&error) && note.is_empty(), "{error} {note}");
+    let (spoilt, note) = told(&[(8, "1000000.0"), (150, "990000.0")]);
+    assert!((spoilt / error - 1.0).abs() < 0.1, "{spoilt} for {error}: {note}");
+    assert!(note.contains("motion.csv: 2 readings far off are left out (lines 10, 152;"), "{note}");
+}
+
+#[test]
+fn what_is_no_date_does_not_become_one_in_an_fmu() {
+    let bench = bench();
+    bench.file("dated.toml", format!("{MODEL}[provenance]\ndate = \"yesterday\"\n"));
+    let sentence = bench.refusal(&["fmu", "dated.toml", "-o", "a.fmu"]);
+    assert!(sentence.contains("provenance.date = \"yesterday\" is no date"), "{sentence}");
+    for epoch in ["99999999999999", "-1", "now"] {
+        let call = bench.command().args(["fmu", "model.toml", "-o", "a.fmu"]).env("SOURCE_DATE_EPOCH", epoch).output();
+        let told = text(&call.unwrap().stderr);
+        assert!(told.contains("expected whole seconds since 1970, before the year 10000"), "{epoch}: {told}");
+    }
 }
 
 #[test]
@@ -202,12 +251,13 @@ fn a_trace_rate_without_traces_is_wrong_usage() {
 #[test]
 fn a_study_whose_rows_all_fail_is_written_and_ends_with_an_error() {
     let bench = bench();
-    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
-    let ratios = STUDY.replace("bore_m = { values = [0.016, 0.032] }", "volume_to_area_m = { values = [0.03] }");
+    // The dead volume alone has a ratio of 1.7 mm.
+    let by_length = "volume_to_area_by_length_m = { values = [0.001] }";
+    let ratios = STUDY.replace("bore_m = { values = [0.016, 0.032] }", by_length);
     bench.file("study.toml", ratios);
     let told = text(&bench.call(1, &["sweep", "study.toml", "-o", "out"]).stderr);
     assert!(
-        told.contains("no row of the study has a result; the most frequent reason (3 of 3 rows): no bore"),
+        told.contains("no row of the study has a result; the most frequent reason (3 of 3 rows): no length"),
         "{told}"
     );
     assert!(text(&bench.call(0, &["sweep", "--verify", "out"]).stdout).contains("3 rows"));

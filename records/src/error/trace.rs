@@ -71,6 +71,11 @@ pub enum TraceProblem {
          time in the [columns] of the rig file"
     )]
     ExcelDays { column: String, from: f64, to: f64 },
+    /// What speaks of a rig file where none is there yet.
+    #[error(
+        "{problem} (`look` finds no other way to read the file, and there is no rig file yet: write one by hand that says so)"
+    )]
+    WithoutRig { problem: Box<TraceProblem> },
     /// Too few rows to be a record.
     #[error("{rows} row{} {part}{} too few for a record; at least 3 are needed", if *rows == 1 { "" } else { "s" }, if *rows == 1 { "is" } else { "are" })]
     FewRows {
@@ -134,6 +139,9 @@ pub enum RowProblem {
     /// Not-a-number or infinity.
     #[error("column `{column}`: `{value}` is not a finite number")]
     NotFinite { column: String, value: String },
+    /// A number by which an instrument says that it has none.
+    #[error("column `{column}`: `{value}` is an instrument's mark of no reading")]
+    NoReading { column: String, value: String },
     /// A time that another row has already.
     #[error("column `{column}`: time does not increase, {} s occurs twice", seconds(*value))]
     TimeRepeats { column: String, value: f64 },

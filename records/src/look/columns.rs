@@ -2,7 +2,7 @@
 //!
 //! What the names leave open is taken from the values and said to be a guess.
 
-use super::described::{Described, Guessed};
+use super::described::{Described, Guessed, Reference};
 use crate::error::Error;
 use crate::error::trace::{RowProblem, TraceProblem};
 use crate::layout::{Column, Layout, Stated};
@@ -13,6 +13,9 @@ use crate::units::Quantity;
 
 /// Positions that count from anywhere are first read with so much added, m.
 const FAR_M: f64 = 1e3;
+
+/// Pressures of a chamber that is open differ from the surroundings' by less than this, Pa.
+const NEAR_PA: f64 = 2e4;
 
 /// Columns that the user has named.
 #[derive(Clone, Debug, Default)]
@@ -115,24 +118,30 @@ impl Guess {
         }
     }
 
-    /// Takes the pressure to count from the surroundings'; whether it was not taken so before.
+    /// Takes the pressure to count from the surroundings', unless names say otherwise; whether it was not taken so before.
     fn takes_for_gauge(&mut self) -> bool {
         match self.of_mut(Quantity::Pressure) {
-            Some(pressure) if !pressure.gauge => {
+            Some(pressure) if !pressure.gauge && pressure.reference != Reference::Stated => {
                 pressure.gauge = true;
-                pressure.reference_guessed = false;
+                pressure.reference = match pressure.reference {
+                    Reference::OwnName => Reference::ReadingsAgainstName,
+                    _ => Reference::Readings,
+                };
                 true
             }
             _ => false,
         }
     }
 
-    /// Takes in a record: readings below vacuum, a piston that compresses as its position grows, positions that count
+    /// Takes in a record: readings around zero, a piston that compresses as its position grows, positions that count
     /// from anywhere. Whether it has to be read again.
     pub fn learns_from_record(&mut self, trace: &Trace) -> bool {
         let is_gauge = |row: &RowProblem| matches!(*row, RowProblem::NotAbsolute { value, .. } if can_be_gauge(value));
-        let gauge = trace.left_out.iter().any(|row| is_gauge(&row.reason)) && self.takes_for_gauge();
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
+        let below = trace.left_out.iter().filter(|row| is_gauge(&row.reason)).count();
+        // At the surroundings' pressure a gauge reads as often just above zero; a sensor that drops out does not.
+        let just_above = pressure.iter().filter(|pressure| **pressure < NEAR_PA).count();
+        let gauge = below > 0 && just_above >= below && self.takes_for_gauge();
         let wrong_way = correlation(&trace.position_m, pressure) > 0.5;
         let (lowest, highest) = extremes(&trace.position_m);
         let Some(position) = self.of_mut(Quantity::Position) else { return gauge };

@@ -17,16 +17,47 @@ pub struct Guessed {
     pub unit: &'static Unit,
     /// Whether the unit was taken from the values.
     pub unit_guessed: bool,
+    /// What stands in the place of a unit and is none that is read.
+    pub unknown_unit: Option<String>,
     /// Whether it is in percent of a range that the file does not tell.
     pub in_percent: bool,
     /// Whether pressures count from the surroundings'.
     pub gauge: bool,
-    /// Whether a pressure's header leaves open from where it counts.
-    pub reference_guessed: bool,
+    /// Why the pressure is taken to count from there.
+    pub reference: Reference,
     /// 1 or -1: which way positions count.
     pub sign: f64,
     /// What is added to positions, m.
     pub offset_m: f64,
+}
+
+/// Why a pressure is taken as absolute or gauge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reference {
+    /// The name, the unit or the units line says so.
+    Stated,
+    /// The program's own name for a pressure is that of an absolute one.
+    OwnName,
+    /// Nothing says so.
+    Open,
+    /// Readings lie at or below zero.
+    Readings,
+    /// Readings lie at or below zero under the program's own name.
+    ReadingsAgainstName,
+}
+
+impl Reference {
+    /// What a user is to check.
+    pub fn remark(self) -> Option<&'static str> {
+        match self {
+            Reference::Stated | Reference::OwnName => None,
+            Reference::Open => Some("CHECK: absolute or gauge? the file does not say"),
+            Reference::Readings => Some("CHECK: taken as gauge, since many readings are at or below zero"),
+            Reference::ReadingsAgainstName => Some(
+                "CHECK: taken as gauge, since many readings are at or below zero, although the name is that of absolute pressures",
+            ),
+        }
+    }
 }
 
 /// What a column is called and what its first values are.
@@ -46,9 +77,10 @@ impl Described {
         let name = dialect.names[place].clone();
         let line = dialect.units.as_ref().and_then(|(_, units)| units.get(place)).filter(|unit| !unit.is_empty());
         let (stem, own) = name_and_unit(&name);
+        let behind = own.and_then(|unit| name[stem.len()..].split_once(unit)).map_or("", |(_, behind)| behind);
         Self {
             place,
-            words: words(stem),
+            words: words(&format!("{stem} {behind}")),
             unit: line.cloned().or(own.map(str::to_owned)),
             moments: sample.moments.get(place).is_some_and(|moments| *moments),
             numbers: sample.numbers.get(place).is_some_and(|numbers| !numbers.is_empty()),
@@ -99,6 +131,7 @@ impl Described {
             Quantity::Time if self.has(&["t", "sec", "seconds", "millis"]) => 2,
             Quantity::Pressure if ambient => -6,
             Quantity::Pressure if self.begins(&["pressure", "druck", "pression", "presion"]) => 4,
+            Quantity::Pressure if self.begins(&["absolutdruck", "relativdruck", "überdruck", "ueberdruck"]) => 4,
             Quantity::Pressure if self.begins(&["press"]) => 3,
             Quantity::Pressure if self.has(&["p"]) || self.words.iter().any(|word| is_numbered_p(word)) => 2,
             Quantity::Position if self.begins(&["posi", "displ", "stroke", "hub", "weg", "lvdt", "travel"]) => 4,
@@ -124,6 +157,18 @@ impl Described {
         self.words.iter().any(|word| known.iter().any(|begin| word.starts_with(begin)))
     }
 
+    /// What stands where a unit would: in the units line, or in the last brackets of the name.
+    fn unknown_unit(&self) -> Option<String> {
+        const NO_UNITS: [&str; 7] = ["a", "g", "abs", "absolute", "gauge", "rel", "%"];
+        let in_brackets = || {
+            let open = self.name.rfind(['[', '(', '<'])?;
+            self.name[open + 1..].split([']', ')', '>']).next()
+        };
+        let said = self.unit.as_deref().or_else(in_brackets)?.trim();
+        let is_unit = !said.is_empty() && !NO_UNITS.contains(&said.to_lowercase().as_str());
+        is_unit.then(|| said.to_owned())
+    }
+
     /// The column as that quantity's.
     pub fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
         let stated = self.unit.as_deref().and_then(|unit| quantity.unit_spelled(unit));
@@ -132,23 +177,30 @@ impl Described {
         let default = || (self.name == quantity.default_name()).then(|| &quantity.units()[0]);
         let known = clock().or(stated).or_else(default);
         let own_name = dialect.names.iter().filter(|name| **name == self.name).count() == 1 && !self.name.is_empty();
-        let gauge_word = ["gauge", "rel", "relative", "ueberdruck", "überdruck"];
+        let gauge_word = ["gauge", "rel", "relative", "relativ", "relativdruck", "ueberdruck", "überdruck"];
         let absolute_word = ["abs", "absolute", "absolut", "absolutdruck"];
         let says = |unit: fn(&str) -> bool, words: &[&str]| {
             self.unit.as_deref().is_some_and(unit) || self.words.iter().any(|word| words.contains(&word.as_str()))
         };
-        let gauge = says(says_gauge, &gauge_word);
-        let absolute = says(says_absolute, &absolute_word) || self.name == quantity.default_name();
+        let gauge = says(says_gauge, &gauge_word) || self.name.contains("(g)");
+        // A chamber's letter is a capital: `p (A)`.
+        let absolute = says(says_absolute, &absolute_word) || self.name.contains("(a)");
+        let reference = match gauge || absolute {
+            true => Reference::Stated,
+            false if self.name == quantity.default_name() => Reference::OwnName,
+            false => Reference::Open,
+        };
         Guessed {
             quantity,
             place: self.place,
             name: if own_name { self.name.clone() } else { format!("column {}", self.place + 1) },
             unit: known.unwrap_or_else(by_value),
             unit_guessed: known.is_none(),
+            unknown_unit: if known.is_none() { self.unknown_unit() } else { None },
             in_percent: known.is_none()
                 && (self.name.contains('%') || self.unit.as_deref().is_some_and(|unit| unit.contains('%'))),
             gauge: quantity == Quantity::Pressure && gauge,
-            reference_guessed: quantity == Quantity::Pressure && !gauge && !absolute,
+            reference,
             sign: 1.0,
             offset_m: 0.0,
         }
@@ -162,7 +214,7 @@ fn is_numbered_p(word: &str) -> bool {
 
 /// The unit that the values' size speaks for.
 fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
-    let size = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    let size = size(values);
     let name = match quantity {
         Quantity::Time if are_excel_days(values) => "d",
         Quantity::Time if interval(values) >= 1.0 => "ms",
@@ -175,6 +227,13 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     };
     let units = quantity.units();
     units.iter().find(|unit| unit.name == name).unwrap_or(&units[0])
+}
+
+/// How large values are: what nineteen of twenty do not exceed, as a mark of no reading is no value.
+fn size(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.len().checked_sub(1 + sizes.len() / 20).map_or(0.0, |place| sizes[place])
 }
 
 fn are_excel_days(values: &[f64]) -> bool {

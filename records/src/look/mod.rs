@@ -17,6 +17,7 @@ use crate::error::Error;
 use crate::error::trace::TraceProblem;
 use crate::format::{Decimal, Encoding, Format};
 use crate::layout::Layout;
+use crate::names::nearest;
 use crate::trace::{self, Content, Need, Reading, Trace, Window};
 use columns::{Guess, Names};
 use motion::Phase;
@@ -29,10 +30,29 @@ pub use crate::trace::Dialect;
 fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
         if dialect.place(name).0.is_none() {
-            return Err(Error::trace(path, trace::missing_column(name, dialect, false)));
+            let mut problem = trace::missing_column(name, dialect, false);
+            if let TraceProblem::MissingColumn { hint, .. } = &mut problem {
+                let near = nearest(name, dialect.names.iter().map(String::as_str));
+                *hint = match (dialect.header, near) {
+                    (None, _) => ", as there is no header line: give the column's number, \"column 1\"".to_owned(),
+                    (_, Some(near)) => format!(", did you mean `{near}`?"),
+                    (_, None) => String::new(),
+                };
+            }
+            return Err(Error::trace(path, problem));
         }
     }
     Ok(())
+}
+
+/// A refusal of what no rig file says yet.
+fn without_rig(error: Error) -> Error {
+    match error {
+        Error::Trace { path, problem } if problem.to_string().contains("the rig") => {
+            Error::trace(&path, TraceProblem::WithoutRig { problem })
+        }
+        other => other,
+    }
 }
 
 /// Whether there are rows of numbers where these have decimal commas.
@@ -49,6 +69,8 @@ pub struct Look {
     pub dialect: Dialect,
     /// How characters are written.
     pub encoding: Encoding,
+    /// What has to be stated of that, as it would not be found.
+    pub format: Format,
     /// Which column holds what.
     pub guess: Guess,
     /// The record, where time, pressure and position were found.
@@ -73,24 +95,26 @@ impl Look {
     /// A file that cannot be read or is no table, a column that is not there, more bad rows than one in fifty.
     pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
         let content = Content::lasting(path)?;
-        let (dialect, encoding, sample) = trace::sample(path, &content, &Layout::default())?;
+        let (mut dialect, mut encoding, mut sample) = trace::sample(path, &content, &Layout::default())?;
+        let mut format = Format::default();
+        if sample.is_empty() && has_decimal_commas(path, &content) {
+            format.decimal = Some(Decimal::Comma);
+            let layout = Layout { format: format.clone(), ..Layout::default() };
+            (dialect, encoding, sample) = trace::sample(path, &content, &layout)?;
+        }
         check(path, &dialect, names)?;
         if dialect.names.len() < 2 {
             return Err(Error::trace(path, TraceProblem::OneColumn));
         }
         if sample.is_empty() {
-            let problem = match has_decimal_commas(path, &content) {
-                true => TraceProblem::OtherDecimal { line: dialect.first_row, found: Decimal::Comma.name() },
-                false => TraceProblem::NoRows { line: dialect.header.unwrap_or(1) },
-            };
-            return Err(Error::trace(path, problem));
+            return Err(Error::trace(path, TraceProblem::NoRows { line: dialect.header.unwrap_or(1) }));
         }
         let mut guess = Guess::from_names(&dialect, &sample, names);
         if !guess.missing().is_empty() {
-            return Ok(Self { dialect, encoding, guess, found: None });
+            return Ok(Self { dialect, encoding, format, guess, found: None });
         }
         let read = |guess: &Guess| {
-            let layout = guess.layout();
+            let layout = Layout { format: format.clone(), ..guess.layout() };
             let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
             Trace::read_content(path, &content, &reading)
         };
@@ -99,13 +123,13 @@ impl Look {
             match read(&guess) {
                 Ok(trace) => break trace,
                 Err(error) if guess.learns_from(&error) => {}
-                Err(error) => return Err(error),
+                Err(error) => return Err(without_rig(error)),
             }
         };
-        let trace = if guess.learns_from_record(&trace) { read(&guess)? } else { trace };
+        let trace = if guess.learns_from_record(&trace) { read(&guess).map_err(without_rig)? } else { trace };
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
         let readings = Readings::of(&trace.time_s, pressure);
         let phases = motion::phases(&trace.time_s, &trace.position_m);
-        Ok(Self { dialect, encoding, guess, found: Some(Found { trace, readings, phases }) })
+        Ok(Self { dialect, encoding, format, guess, found: Some(Found { trace, readings, phases }) })
     }
 }

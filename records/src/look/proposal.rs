@@ -7,6 +7,7 @@ use crate::layout::Quantity;
 use crate::limits::STANDARD_ATMOSPHERE_PA;
 use crate::toml_text::quoted;
 use crate::units::VOLT;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// What the user says beside the trace.
@@ -59,6 +60,9 @@ fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result 
     for quantity in look.guess.missing() {
         writeln!(out, "# {} = {{ name = \"...\", unit = \"{}\" }}  # FILL IN", quantity.key(), quantity.si_unit())?;
     }
+    if let Some(decimal) = look.format.decimal {
+        writeln!(out, "\n[format]\ndecimal = \"{}\"", decimal.name())?;
+    }
     let cycles = stated.cycles.as_deref().unwrap_or_default();
     if cycles.is_empty() {
         let none_found = if stated.cycles.is_some() { "  # CHECK: no push-and-hold test was found" } else { "" };
@@ -81,25 +85,38 @@ fn write(out: &mut String, look: &Look, stated: &UserInput) -> std::fmt::Result 
 fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     let unit = if column.in_percent { "%" } else { column.unit.name };
     let mut keys = format!("name = {}, unit = \"{unit}\"", quoted(&column.name));
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<Cow<'_, str>> = Vec::new();
     if column.in_percent {
-        remarks.push("FILL IN unit, and scale = (of that unit for each percent)");
+        remarks.push("FILL IN unit, and scale = (of that unit for each percent)".into());
+    } else if let Some(unknown) = &column.unknown_unit {
+        // A comment ends with its line.
+        let unknown = unknown.replace(char::is_control, " ");
+        remarks.push(format!("CHECK the unit: `{unknown}` is none that is read; guessed from the values").into());
     } else if column.unit_guessed {
-        remarks.push("CHECK the unit: guessed from the values");
+        remarks.push("CHECK the unit: guessed from the values".into());
     }
     if column.unit.name == VOLT {
         // A rig file without them is refused; with any numbers it would be taken for the whole truth.
-        remarks.push("FILL IN scale = (SI units per volt) and offset = (SI units at zero volts), within the braces");
+        remarks.push(
+            "FILL IN scale = (SI units per volt) and offset = (SI units at zero volts), within the braces".into(),
+        );
     }
     if column.quantity == Quantity::Pressure {
         keys += if column.gauge { ", reference = \"gauge\"" } else { ", reference = \"absolute\"" };
-        if column.reference_guessed {
-            remarks.push("CHECK: absolute or gauge? the file does not say");
-        }
+        remarks.extend(column.reference.remark().map(Cow::from));
     }
     if column.quantity == Quantity::Position && (column.sign, column.offset_m) != (1.0, 0.0) {
         write!(keys, ", sign = {}, offset_m = {:?}", column.sign, column.offset_m)?;
-        remarks.push("CHECK: the position must count from the end of the chamber and fall as the gas is compressed");
+        let reading = if column.sign < 0.0 { "" } else { "minus " };
+        remarks.push(
+            "CHECK: the position must count from the end of the chamber and fall as the gas is compressed".into(),
+        );
+        remarks.push(
+            format!(
+                "CHECK: offset_m is guessed from where the piston moved in this record; replace it by {reading}what the sensor shows, in m, with the piston at the end of the chamber"
+            )
+            .into(),
+        );
     }
     let remarks = if remarks.is_empty() { String::new() } else { format!("  # {}", remarks.join("; ")) };
     writeln!(out, "{} = {{ {keys} }}{remarks}", column.quantity.key())

@@ -24,6 +24,14 @@ pub fn texts(line: &str, separator: Separator) -> Vec<&str> {
     fields.into_iter().map(|field| &line[field]).collect()
 }
 
+/// Whether a number is a mark of an instrument for no reading: SCPI writes 9.9E37 for an overload, -9.9E37 for one below the range
+/// and 9.91E37 for no number, in single precision mostly, which may round down.
+#[inline]
+pub fn is_no_reading(number: f64) -> bool {
+    const MARK: f64 = 9.9e37 * (1.0 - 1e-6);
+    number.abs() >= MARK
+}
+
 /// The number in a field.
 #[inline]
 pub fn number(text: &str, decimal: Decimal) -> Option<f64> {
@@ -141,6 +149,14 @@ mod tests {
         assert_eq!(texts("1\t\t3", Separator::Byte(b'\t')), ["1", "", "3"]);
         assert_eq!(texts("  0.00 4.1   -2\t7 ", Separator::Whitespace), ["0.00", "4.1", "-2", "7"]);
         assert_eq!(texts(r#""say ""x""";2"#, Separator::Byte(b';')), [r#"say ""x"""#, "2"]);
+    }
+
+    #[test]
+    fn marks_of_no_reading_are_known_also_in_single_precision() {
+        for mark in [9.9e37, -9.9e37, 9.91e37, f64::from(9.9e37_f32), 1e38] {
+            assert!(is_no_reading(mark), "{mark}");
+        }
+        assert!(!is_no_reading(9.8e37) && !is_no_reading(1e9));
     }
 
     #[test]

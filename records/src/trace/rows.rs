@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::dialect::Dialect;
-use super::fields::{self, number};
+use super::fields::{self, is_no_reading, number};
 use super::header::Header;
 use super::keep::keep_rows;
 use super::left_out::{BadRows, LeftOut, ONE_IN};
@@ -251,7 +251,10 @@ fn short(text: &str) -> String {
 #[inline]
 fn finite(column: &Column, text: &str, decimal: Decimal) -> Result<f64, RowProblem> {
     match number(text, decimal) {
-        Some(number) if number.is_finite() => Ok(number),
+        Some(number) if number.is_finite() && !is_no_reading(number) => Ok(number),
+        Some(number) if number.is_finite() => {
+            Err(RowProblem::NoReading { column: column.name.clone(), value: short(text) })
+        }
         Some(_) => Err(RowProblem::NotFinite { column: column.name.clone(), value: short(text) }),
         None => {
             let other = if decimal == Decimal::Point { Decimal::Comma } else { Decimal::Point };

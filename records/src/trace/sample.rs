@@ -3,7 +3,7 @@
 use super::clock;
 use super::content::Content;
 use super::dialect::Dialect;
-use super::fields::{number, texts};
+use super::fields::{is_no_reading, number, texts};
 use super::lines::Line;
 use super::read::{dialect, with_lines};
 use crate::error::Error;
@@ -15,7 +15,7 @@ use std::path::Path;
 /// What the columns of a file's first rows hold.
 #[derive(Clone, Debug, Default)]
 pub struct Sample {
-    /// The numbers of each column; what is none is left out.
+    /// The numbers of each column; what is none, or a mark of no reading, is left out.
     pub numbers: Vec<Vec<f64>>,
     /// Whether a column holds clock times or dates.
     pub moments: Vec<bool>,
@@ -30,6 +30,7 @@ impl Sample {
         for (_, text) in rows {
             for (k, field) in texts(text, dialect.separator).into_iter().enumerate().take(count) {
                 match number(field, dialect.decimal) {
+                    Some(number) if is_no_reading(number) => {}
                     Some(number) => numbers[k].push(number),
                     None => moments[k] += usize::from(clock::is_moment(field)),
                 }

@@ -10,6 +10,9 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
         ("inf", "`inf` is not a finite number"),
         ("-Infinity", "not a finite number"),
         ("1e999", "`1e999` is not a finite number"),
+        ("9.9E37", "`9.9E37` is an instrument's mark of no reading"),
+        ("-9.9e+37", "`-9.9e+37` is an instrument's mark of no reading"),
+        ("9.91E37", "mark of no reading"),
         ("n/a", "`n/a` is not a number"),
         ("", "the field is empty"),
         ("1e5 Pa", "`1e5 Pa` is not a number"),
@@ -17,6 +20,18 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
     ] {
         let message = Bench::new().refusal(table(&[GOOD[0], GOOD[1], &format!("0.02,{value},0.1")]));
         assert_says(&message, &["trace.csv: line 4, column `pressure_pa`", says]);
+    }
+}
+
+#[test]
+fn a_mark_of_no_reading_is_left_out_of_every_column() {
+    let row = |k: usize| format!("{},{},0.1", 0.01 * k as f64, 101_300 + k % 7);
+    for marked in ["0.5,9.9E37,0.1", "0.5,-9.9E37,0.1", "0.5,101300,9.90000015E+37", "9.91E37,101300,0.1"] {
+        let mut rows: Vec<String> = (0..100).map(row).collect();
+        rows[50] = marked.to_owned();
+        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let trace = Bench::new().read(table(&rows)).unwrap();
+        assert_eq!((trace.len(), trace.left_out.len(), trace.left_out[0].line), (99, 1, 52), "{marked}");
     }
 }
 

@@ -4,6 +4,7 @@ use crate::quantity::Base;
 use crate::quantity::point::Point;
 use crate::result::status::Failure;
 use chamber::{AreaLaw, Geometry};
+use std::ops::RangeInclusive;
 
 /// Largest and smallest bore that a volume-to-area ratio is solved for, m.
 const BORES_M: (f64, f64) = (1e-4, 10.0);
@@ -44,11 +45,30 @@ fn ratio(geometry: &Geometry, stroke: f64) -> f64 {
     volume / geometry.heat_transfer_area(volume)
 }
 
+/// The volume-to-area ratios that bores give, at a rod, a dead volume and a stroke.
+pub fn bores_give([rod, dead_volume, stroke]: [f64; 3], area_law: AreaLaw) -> RangeInclusive<f64> {
+    /// Between bores so far apart the ratio changes by less than a hundredth of a per cent at its greatest.
+    const STEP: f64 = 1.01;
+    /// Of the ratio, for the greatest between two bores.
+    const SLACK: f64 = 1e-4;
+    let least = least_bore(rod);
+    let steps = ((BORES_M.1 / least).ln() / STEP.ln()).ceil().max(0.0) as i32;
+    let bores = (0..=steps).map(|k| (least * STEP.powi(k)).min(BORES_M.1));
+    let ratios = bores.map(|bore| ratio(&Geometry::new(bore, rod, dead_volume, area_law), stroke));
+    let (low, high) = ratios.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(r), high.max(r)));
+    low * (1.0 - SLACK)..=high * (1.0 + SLACK)
+}
+
+/// The smallest bore that is looked at, with that rod.
+fn least_bore(rod: f64) -> f64 {
+    BORES_M.0.max(rod * (1.0 + 1e-12))
+}
+
 /// The bore that gives a volume-to-area ratio: of several, the one nearest to `near` on a logarithmic scale.
 fn bore_of(target: f64, near: f64, rod: f64, ratio: impl Fn(f64) -> f64) -> Option<f64> {
     const STEP: f64 = 1.1;
     let miss = |bore: f64| ratio(bore) - target;
-    let (least, most) = (BORES_M.0.max(rod * (1.0 + 1e-12)), BORES_M.1);
+    let (least, most) = (least_bore(rod), BORES_M.1);
     let (mut low, mut high) = (near.clamp(least, most), near.clamp(least, most));
     let (mut at_low, mut at_high) = (miss(low), miss(high));
     while low > least || high < most {

@@ -6,7 +6,8 @@
 
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
-use chamber::{Geometry, effects};
+use crate::row::geometry;
+use chamber::{AreaLaw, Geometry, effects};
 use ensemble::{Solver, WITHOUT_CLOSED_FORM};
 use records::Model;
 use report::number::shortest;
@@ -137,6 +138,7 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
         let message = format!("takes {most}, but at a final stroke of {stroke} m every bore gives less than {limit} m");
         return Err(refused(Base::VolumeToArea, &message));
     }
+    a_bore(bounds, law)?;
     if let (Some(most), Some(bore)) = (bounds.most(Base::VolumeToAreaByLength), bounds.most(Base::Bore)) {
         let geometry = Geometry::new(bore, bounds.least(Base::Rod).unwrap_or(0.0), 0.0, law);
         let limit = 1.0 / (geometry.heat_transfer_area(1.0) - geometry.heat_transfer_area(0.0));
@@ -146,6 +148,28 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
         }
     }
     Ok(())
+}
+
+/// A volume-to-area ratio is one that some bore gives: the greatest at the most volume, the least at the least.
+fn a_bore(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
+    let (Some(wanted), Some(rods)) = (bounds.get(Base::VolumeToArea), bounds.get(Base::Rod)) else { return Ok(()) };
+    let ratios = |volume: fn(&Bounds, Base) -> Option<f64>| {
+        let of = |base| volume(bounds, base).unwrap_or(0.0);
+        let at = |rod: f64| geometry::bores_give([rod, of(Base::DeadVolume), of(Base::FinalStroke)], law);
+        let [a, b] = [at(*rods.start()), at(*rods.end())];
+        [a.start().min(*b.start()), a.end().max(*b.end())]
+    };
+    let ([least, _], [_, most]) = (ratios(Bounds::least), ratios(Bounds::most));
+    let message = match wanted {
+        _ if wanted.end().is_finite() && *wanted.end() > most => {
+            format!("takes {}, but no bore gives more than {most:.6} m at the strokes of the test", wanted.end())
+        }
+        _ if *wanted.start() < least => {
+            format!("takes {}, but no bore gives less than {least:.3e} m at the strokes of the test", wanted.start())
+        }
+        _ => return Ok(()),
+    };
+    Err(refused(Base::VolumeToArea, &message))
 }
 
 fn refused(base: Base, message: &str) -> Refused {

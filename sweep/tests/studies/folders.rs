@@ -236,8 +236,9 @@ fn a_study_without_any_result_has_its_most_frequent_reason() {
         let report = run(&study("design = \"factorial\"", vary), &at(&folder), Shard::WHOLE, &quiet).unwrap();
         report.why_without_results().map(|(reason, rows)| (reason.to_owned(), rows))
     };
-    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
-    let all_fail = "volume_to_area_m = { values = [0.03, 0.04] }";
-    assert_eq!(why(all_fail), Some(("no bore gives this volume-to-area ratio".to_owned(), 2)));
-    assert_eq!(why("volume_to_area_m = { values = [0.003, 0.03, 0.04] }"), None);
+    // The dead volume alone has a greater ratio.
+    let dead = "dead_volume_m3 = { values = [1e-3] }\nvolume_to_area_by_length_m";
+    let (reason, rows) = why(&format!("{dead} = {{ values = [0.001, 0.002] }}")).unwrap();
+    assert!(reason.contains("no length") && rows == 2, "{reason} {rows}");
+    assert_eq!(why("volume_to_area_by_length_m = { values = [0.003, 1e-9] }"), None);
 }

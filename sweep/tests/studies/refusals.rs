@@ -160,6 +160,8 @@ fn a_value_that_no_row_could_use_is_refused_before_the_first_row() {
             "volume_to_area_m = { values = [0.03] }\ndead_volume_m3 = { values = [0.0] }",
             "takes 0.03, but at a final stroke of 0.05 m every bore gives less than 0.025 m",
         ),
+        ("volume_to_area_m = { values = [0.004, 1e-9] }", "takes 0.000000001, but no bore gives less than"),
+        ("volume_to_area_m = { values = [0.004, 0.04] }", "takes 0.04, but no bore gives more than 0.02"),
         (
             "volume_to_area_by_length_m = { values = [0.005] }",
             "at a bore of 0.02 m every length gives less than 0.005000 m",
