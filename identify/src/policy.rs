@@ -87,8 +87,8 @@ pub const KINDS_DEVIATIONS: f64 = 4.0;
 pub const KNOWN_TO: f64 = 1e-5;
 /// The misfit that does not matter, as a share of the noise, where a rig states none.
 pub const ACCURACY_OF_NOISE: f64 = 0.25;
-/// A model that errs by more than so many times the noise in one of the records is not good enough, whatever its repeats have in common:
-/// there the record or the model has a fault that noise is no name for.
+/// Where a model errs by more than so many times the noise in a record, all of that is systematic, whatever its repeats have in
+/// common: there the record or the model has a fault that noise is no name for.
 pub const FAR_BEYOND_NOISE: f64 = 3.0;
 /// A term predicts decisively better, although more than noise remains, if the systematic error on left-out data falls below
 /// this share of that without it; or if the systematic misfit does, and the error on left-out data is that on the fitted ones.

@@ -2,15 +2,13 @@
 //!
 //! Two statistical tests against the recording's noise: the sum of squares of the whitened blocks, and, far sharper where
 //! the rest has a shape, the largest gain of any family of missing terms ([`crate::discrepancy`]): χ² with the family's
-//! rank. And a practical one: the systematic misfit ([`misfit`]) against the accuracy that the rig asks for, in no record of which the
-//! model fails. Either is enough.
+//! rank. And a practical one: the systematic misfit ([`misfit`]) against the accuracy that the rig asks for. Either is enough.
 
 use crate::discrepancy::{Families, Missing};
 use crate::fit::Fit;
 use crate::judge::misfit;
 use crate::policy::{
-    FAMILY_PROBABILITY, FAR_BEYOND_NOISE, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, PLAIN_SHAPE, SQUARES_DEVIATIONS,
-    TOLERANCES,
+    FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, PLAIN_SHAPE, SQUARES_DEVIATIONS, TOLERANCES,
 };
 use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -38,20 +36,15 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     let mut families = Families::new(data, fit).map(|families| families.all()).unwrap_or_default();
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
-    let residuals = misfit::residuals(data, fit);
-    let mut systematic_pa = misfit::systematic(data, &residuals);
-    let mut largest_pa = misfit::largest_of_records(data, &residuals);
+    let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));
     // Stated numbers may move within their tolerances, not anywhere; waves of the positions go no farther than they are believed.
     if fit.moved_from_stated().all(|(axis, moved)| axis.slot.is_wave() || moved.abs() < TOLERANCES) {
-        let moved = misfit::residuals_moved(data, fit);
-        systematic_pa = systematic_pa.min(misfit::systematic(data, &moved));
-        largest_pa = largest_pa.min(misfit::largest_of_records(data, &moved));
+        systematic_pa = systematic_pa.min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
     }
     Adequacy {
         is_noise: squares_deviations < SQUARES_DEVIATIONS && family_probability > FAMILY_PROBABILITY,
         systematic_pa,
-        is_good_enough: systematic_pa < data.accuracy_pa()
-            && largest_pa < FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa()),
+        is_good_enough: systematic_pa < data.accuracy_pa(),
         squares_deviations,
         family_probability,
         families,
