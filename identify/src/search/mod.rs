@@ -527,7 +527,7 @@ mod tests {
     fn zeros_of_a_gauge_that_differ_between_records_are_looked_for_beside_effects_that_repeats_agree_on() {
         let effects = ["leakage", "tube_volume"].map(|name| find(name).unwrap().0);
         let mut recipe = Recipe { repeats: 3, noise_pa: 60.0, ..Recipe::from_seed(5) };
-        recipe.faults.offset_pa.between = 1500.0;
+        recipe.faults.offset_pa.between = 600.0;
         let recipe = effects.iter().fold(recipe, |recipe, effect| recipe.with_strength(*effect, 1.0));
         let mut search = Search::after_first_fit(&recipe);
         let both = Model::with(effects.into_iter().collect());
