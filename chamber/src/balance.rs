@@ -414,7 +414,7 @@ mod tests {
     use super::*;
     use crate::AreaLaw;
     use crate::effects::{GasZones, WallHeating};
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
 
     #[test]
     fn heat_that_comes_out_of_the_wall_at_once_is_missing_there() {

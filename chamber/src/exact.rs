@@ -140,7 +140,7 @@ pub const GAUSS_16: [(f64, f64); 8] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
     use crate::simulate::{Start, simulate};
     use crate::{EffectSet, signals::Signals};
     use proptest::prelude::*;

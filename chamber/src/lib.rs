@@ -32,6 +32,7 @@ pub mod geometry;
 pub mod heat_transfer;
 pub mod integrate;
 pub mod paper;
+pub mod papers_chamber;
 mod parts;
 pub mod real;
 pub mod record;

@@ -1,6 +1,4 @@
-//! Reference state of Carneiro and Gomes de Almeida (2006) and the computation behind it; and the chamber that they simulate.
-
-use crate::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
+//! Reference state of Carneiro and Gomes de Almeida (2006) and the computation behind it.
 
 /// P0, Pa: the servovalve's equilibrium pressure as the paper uses it (0.8077 of a 7 bar supply).
 pub const REFERENCE_PRESSURE_PA: f64 = 5.65e5;
@@ -9,11 +7,6 @@ pub const REFERENCE_TEMPERATURE_K: f64 = 293.0;
 /// Ambient temperature of the experiments, K: not printed; masses, dead volumes and mean temperatures of table 4 put
 /// it between 297.6 and 300 K (design finding 3).
 pub const EXPERIMENTS_AMBIENT_TEMPERATURE_K: f64 = 298.0;
-
-/// The chamber of the paper's section 3.1, where its area is that of [`AreaLaw::Swept`].
-pub fn section_31(area_law: AreaLaw) -> Chamber {
-    Chamber::new(Gas::AIR, Geometry::new(0.02, 0.0, 1.57e-6, area_law), HeatTransfer::at_paper_reference(26.5))
-}
 
 /// P0/Ps of the paper's appendix 2: the chamber pressure at which a subsonic inlet from the supply and a sonic exhaust
 /// of the same restriction pass the same flow of a perfect gas. The paper prints 0.8077.

@@ -218,7 +218,7 @@ mod tests {
     use super::*;
     use crate::AreaLaw;
     use crate::balance::{self, Balances, FEW_STATES};
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
     use crate::signals::Signals;
     use crate::simulate::tolerance;
 

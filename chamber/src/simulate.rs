@@ -194,7 +194,7 @@ impl<R: Scalar, I: Inputs<R>> Recorder<'_, R, I> {
 mod tests {
     use super::*;
     use crate::effects::{RecordDelay, SensorDrift, SensorLag};
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
     use crate::signals::Signals;
     use crate::{AreaLaw, dual::Dual};
 

@@ -12,7 +12,7 @@ use chamber::effects::{
     TemperatureDependentHeatCapacity, TubeVolume, WallHeating, WarmWall,
 };
 use chamber::integrate::{Integrator, Tolerance};
-use chamber::{AreaLaw, Chamber, EffectSet, HeatTransfer, paper};
+use chamber::{AreaLaw, Chamber, EffectSet, HeatTransfer, papers_chamber};
 use proptest::prelude::*;
 
 proptest! {
@@ -126,7 +126,7 @@ fn a_second(chamber: &Chamber, boundary: &Boundary, pressure: f64, temperature: 
 }
 
 fn section_31() -> (Chamber, Boundary) {
-    (paper::section_31(AreaLaw::Total), Boundary { velocity: 0.05, ..Boundary::closed(0.05, 293.0, 1.013e5) })
+    (papers_chamber::section_31(AreaLaw::Total), Boundary { velocity: 0.05, ..Boundary::closed(0.05, 293.0, 1.013e5) })
 }
 
 #[test]

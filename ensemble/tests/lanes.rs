@@ -6,7 +6,7 @@ mod any;
 use any::{any_boundary, any_chamber};
 use chamber::balance::{self, Boundary, STATES};
 use chamber::effects::Leakage;
-use chamber::{AreaLaw, EffectSet, paper};
+use chamber::{AreaLaw, EffectSet, papers_chamber};
 use ensemble::lanes::Lanes;
 use proptest::prelude::*;
 
@@ -29,7 +29,7 @@ proptest! {
 
 #[test]
 fn a_leak_into_surroundings_without_pressure_chokes_in_lanes_as_in_plain_numbers() {
-    let chamber = paper::section_31(AreaLaw::Total).with(Leakage::PLACE, &[3e-9]);
+    let chamber = papers_chamber::section_31(AreaLaw::Total).with(Leakage::PLACE, &[3e-9]);
     let vacuum = Boundary { ambient_pressure: 0.0, ..Boundary::closed(0.1, 293.0, 1e5) };
     let state = balance::state_at(&chamber, &vacuum, 2e5, 293.0);
     let plain = balance::rates(chamber.active(), &chamber, &vacuum, &state);

@@ -75,7 +75,7 @@ impl Effect for DecayingTurbulence {
 #[cfg(test)]
 mod tests {
     use super::DecayingTurbulence;
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
     use crate::signals::Signals;
     use crate::simulate::{Start, simulate};
     use crate::{AreaLaw, Chamber};

@@ -259,7 +259,7 @@ mod tests {
     use crate::AreaLaw;
     use crate::balance::{Balances, Boundary, OWN};
     use crate::card::Fitted;
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
 
     #[test]
     fn cards_state_neutral_values_within_their_bounds_and_typical_ones_that_are_not_neutral() {

@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn an_energy_that_enthalpy_is_missing_from_does_not_close_by_as_much() {
-        let chamber = chamber::paper::section_31(chamber::AreaLaw::Total);
+        let chamber = chamber::papers_chamber::section_31(chamber::AreaLaw::Total);
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 1.04);
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
         let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();

@@ -9,7 +9,7 @@ use chamber::effects::{
     TemperatureDependentHeatCapacity, WallConduction, WallHeating, WarmWall,
 };
 use chamber::exact::Closed;
-use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, paper};
+use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, papers_chamber};
 use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
 
 /// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
@@ -62,7 +62,7 @@ pub fn set_first<const N: usize>(s: &mut Scenario, effects: [(usize, bool, f64);
 
 /// The test of section 3.1 with an effect of these numbers, over that duration, s.
 pub fn section_31(effect: usize, numbers: &[f64], duration: f64) -> Scenario {
-    let chamber = paper::section_31(AreaLaw::Total).with(effect, numbers);
+    let chamber = papers_chamber::section_31(AreaLaw::Total).with(effect, numbers);
     Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, duration)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::{assert_close, assert_same, hold_for, reference, results, sealed};
 use crate::numbers::Numbers;
-use chamber::{AreaLaw, EffectSet, effects, paper};
+use chamber::{AreaLaw, EffectSet, effects, papers_chamber};
 use ensemble::{Options, Outcome, Scenario, Solver};
 
 /// Sealed tests by their exact solution, integrated, and integrated as rows into which next to nothing flows.
@@ -82,7 +82,7 @@ fn a_pressure_that_rises_to_the_end_has_not_settled_and_one_that_stands_has() {
 
 #[test]
 fn the_regression_on_section_3_1_gives_the_numbers_found_for_it() {
-    let test = Scenario::push(paper::section_31(AreaLaw::Swept), 1e5, [0.1, 0.05], 0.04, 5.04);
+    let test = Scenario::push(papers_chamber::section_31(AreaLaw::Swept), 1e5, [0.1, 0.05], 0.04, 5.04);
     let fit = results(EffectSet::NONE, &[test], &Options::default())[0].fit.unwrap();
     assert_close(fit.time_constant_s, 0.4287, 2e-3, "tau");
     assert_close(fit.lambda_av_w_per_m2_k, 16.08, 2e-3, "lambda_av");

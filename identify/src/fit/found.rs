@@ -146,7 +146,7 @@ impl Fit {
         let set = self.hypothesis.model.effects;
         let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
             let setting = self.setting(t, own);
-            let mut more = setting.clone();
+            let mut more = setting;
             more.chamber.effects.of_mut(ForcedConvection::PLACE)[0] *= 1.0 + SMALL;
             let (here, there) = (readings(t, &setting, set).ok()?, readings(t, &more, set).ok()?);
             Some(there.iter().zip(here).map(|(there, here)| (there - here) / SMALL).collect())

@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::balance::{self, Boundary};
     use crate::dual::Dual;
-    use crate::paper::section_31;
+    use crate::papers_chamber::section_31;
     use crate::{AreaLaw, Chamber};
 
     fn curve_of(term: Term, variable: Variable, knots: &[f64], values: &[f64]) -> Curve {
