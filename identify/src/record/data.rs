@@ -295,6 +295,9 @@ impl Data {
     /// The same where the pressures of the rows answer the heat of forced convection so much, record by record. `None` where the data stay as
     /// they are: nobody minds what the rows of the moves leave open by that, or its change.
     pub fn stirred(&self, by_speed_pa: Vec<Vec<f64>>) -> Option<Self> {
+        if !self.is_stirred() && by_speed_pa.iter().all(Vec::is_empty) {
+            return None;
+        }
         let mut data = self.clone();
         for (t, by_speed_pa) in data.traces.iter_mut().zip(by_speed_pa) {
             t.by_speed_pa = by_speed_pa;

@@ -95,10 +95,27 @@ pub enum TraceProblem {
     CoarseTimes { column: String, rows: usize, times: usize, step_s: f64 },
     /// A clock that starts again.
     #[error(
-        "line {line}, column `{column}`: the time restarts at {} s after {} s; put each record into a file of its own",
+        "line {line}, column `{column}`: the time restarts at {} s after {} s; put each record into a file of its own, or mend the times if the clock was set back",
         seconds(*value), seconds(*before)
     )]
     TimeRestarts { line: usize, column: String, value: f64, before: f64 },
+}
+
+impl TraceProblem {
+    /// Whether its sentence says what to change in the rig file.
+    pub fn is_of_a_rig_file(&self) -> bool {
+        match self {
+            Self::AllSkipped { .. }
+            | Self::OtherUnit { .. }
+            | Self::UnitInName { .. }
+            | Self::Volts { .. }
+            | Self::OtherReference { .. }
+            | Self::OtherDecimal { .. }
+            | Self::ExcelDays { .. } => true,
+            Self::BadRows { problem, .. } => problem.is_of_a_rig_file(),
+            _ => false,
+        }
+    }
 }
 
 fn decimals(sign: &str) -> &'static str {
@@ -107,6 +124,8 @@ fn decimals(sign: &str) -> &'static str {
 
 /// A time in as many digits as tell it, with an exponent where zeros would lead or follow.
 fn seconds(value: f64) -> String {
+    // What counts from a first row has round-off behind its nanoseconds.
+    let value = if (1.0..1e6).contains(&value.abs()) { (value * 1e9).round() / 1e9 } else { value };
     if value != 0.0 && !(1e-4..1e9).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
 }
 
@@ -171,4 +190,18 @@ pub enum RowProblem {
          offset_m of position in the [columns] of the rig file"
     )]
     NegativePosition { column: String, value: f64 },
+}
+
+impl RowProblem {
+    /// Whether its sentence says what to change in the rig file: where it has a hint, that is one.
+    fn is_of_a_rig_file(&self) -> bool {
+        match self {
+            Self::NegativePosition { .. } => true,
+            Self::NotANumber { hint, .. }
+            | Self::NotAbsolute { hint, .. }
+            | Self::Temperature { hint, .. }
+            | Self::FarPosition { hint, .. } => !hint.is_empty(),
+            _ => false,
+        }
+    }
 }

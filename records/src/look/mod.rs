@@ -48,7 +48,7 @@ fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
 /// A refusal of what no rig file says yet.
 fn without_rig(error: Error) -> Error {
     match error {
-        Error::Trace { path, problem } if problem.to_string().contains("the rig") => {
+        Error::Trace { path, problem } if problem.is_of_a_rig_file() => {
             Error::trace(&path, TraceProblem::WithoutRig { problem })
         }
         other => other,

@@ -9,7 +9,7 @@ pub enum Order {
     But(Vec<usize>),
     /// The rows came in another order; all of them, sorted by time.
     Sorted(Vec<usize>),
-    /// From that row on time runs through the same values again: another record.
+    /// From that row on time runs through the same values again, or far from those before: another record, or a clock that was set.
     Restarts(usize),
 }
 
@@ -29,8 +29,13 @@ pub fn of(times: &[f64], few: usize) -> Order {
         let ends = falls.iter().copied().chain([times.len()]);
         let mut runs: Vec<(usize, usize)> = begins.into_iter().zip(ends).collect();
         runs.sort_by(|a, b| times[a.0].total_cmp(&times[b.0]));
-        let overlap = runs.windows(2).find(|pair| times[pair[1].0] <= times[pair[0].1 - 1]);
-        if let Some(pair) = overlap {
+        // Nor lie farther apart than they last: then they are no parts of one record.
+        let are_apart = |pair: &&[(usize, usize)]| {
+            let [a, b] = [pair[0], pair[1]].map(|(first, end)| [times[first], times[end - 1]]);
+            let between = b[0] - a[1];
+            between <= 0.0 || between > (a[1] - a[0]) + (b[1] - b[0])
+        };
+        if let Some(pair) = runs.windows(2).find(are_apart) {
             return Order::Restarts(pair[0].0.max(pair[1].0));
         }
     }
@@ -88,5 +93,8 @@ mod tests {
         assert_eq!(of(&[4.0, 5.0, 6.0, 7.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Sorted(vec![4, 5, 6, 7, 0, 1, 2, 3]));
         assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Restarts(4));
         assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.5, 1.5, 2.5, 3.5], 0), Order::Restarts(4));
+        // Set back by an hour.
+        assert_eq!(of(&[3600.0, 3601.0, 3602.0, 3.0, 4.0, 5.0, 6.0], 0), Order::Restarts(3));
+        assert_eq!(of(&[16.0, 17.0, 18.0, 19.0, 0.0, 1.0, 2.0, 10.0], 0), Order::Sorted(vec![4, 5, 6, 7, 0, 1, 2, 3]));
     }
 }
