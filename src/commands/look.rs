@@ -1,6 +1,7 @@
 //! `pneutherm look`: what a trace file holds, and a rig file for it.
 
 use crate::output;
+use anyhow::anyhow;
 use records::layout::Quantity;
 use records::look::columns::Names;
 use records::look::motion::{self, Cycle, Phase};
@@ -65,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         &look,
         &UserInput {
             bore_m: args.bore_mm.map(|bore| bore / 1000.0),
-            trace: named_from(&args.trace, args.output.as_deref()),
+            trace: named_from(&args.trace, args.output.as_deref())?,
             name: args.trace.file_stem().map_or("test".to_owned(), |stem| stem.to_string_lossy().into_owned()),
             cycles: args.split.then(|| cycles.clone()),
         },
@@ -94,7 +95,7 @@ fn cycles(found: &Found) -> (Vec<Cycle>, usize) {
 }
 
 /// The trace's path as a rig file at `rig` has to name it: relative to its folder where both are in one.
-fn named_from(trace: &Path, rig: Option<&Path>) -> String {
+fn named_from(trace: &Path, rig: Option<&Path>) -> anyhow::Result<String> {
     let folder = |path: &Path| match path.parent() {
         Some(parent) if parent != Path::new("") => std::fs::canonicalize(parent).ok(),
         _ => std::env::current_dir().ok(),
@@ -106,7 +107,9 @@ fn named_from(trace: &Path, rig: Option<&Path>) -> String {
         Some(name) if rig.is_some() => name.into(),
         _ => trace.to_owned(),
     };
-    path.to_string_lossy().into_owned()
+    // Another name would be that of another file.
+    let path = path.into_os_string().into_string();
+    path.map_err(|name| anyhow!("{}: the name is no UTF-8 text, as a rig file is; rename the file", name.display()))
 }
 
 /// Push-and-hold tests in a file.

@@ -131,3 +131,18 @@ fn names_with_spaces_and_bytes_that_are_no_text_are_names() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(odd(b"aus gabe \xe9.csv").is_file());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_rig_file_is_not_proposed_for_a_trace_whose_name_it_cannot_have() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let bench = Bench::new();
+    let rows = (0..40).map(|i| format!("{},2e5,0.1\n", f64::from(i) * 0.01)).collect::<String>();
+    let trace = bench.path(OsStr::from_bytes(b"fahrt \xfc.csv"));
+    std::fs::write(&trace, format!("time_s,pressure_pa,position_m\n{rows}")).unwrap();
+    let output = bench.command().arg("look").arg(&trace).arg("-o").arg(bench.path("proposed.toml")).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("the name is no UTF-8 text"), "{}", text(&output.stderr));
+    assert!(!bench.path("proposed.toml").exists());
+}
