@@ -1,9 +1,10 @@
 //! What a fit leaves, in Pa: all of it, and the part that is systematic.
 //!
 //! The systematic part is what remains beyond noise. Where an experiment has repeats it is what their residuals have in
-//! common, √(mean of products), less what the rounding of their positions may have; elsewhere, and in a record that the model misses by far
-//! more than noise, √(rms² − variance expected of noise and position). Readings that stick to a step are those of a model within half of it: what lies beyond tells how far it is off. Source:
-//! lack of fit and pure error, e.g. Draper and Smith, Applied Regression Analysis (1998), chapter 2.
+//! common, √(mean of products), less what the rounding of their positions may have; elsewhere, and in a record that the model misses by
+//! far more than noise, √(rms² − variance expected of noise and position). Readings that stick to a step are those of a model within half
+//! of it: what lies beyond tells how far it is off. Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression
+//! Analysis (1998), chapter 2.
 
 use crate::fit::{Fit, readings};
 use crate::parameters::Setting;
@@ -63,18 +64,19 @@ pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
 
 /// The same with of each row's square the share that noise has in what is expected of it: see [`weights`].
 pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
-    let of_record = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<f64> {
-        residual.iter().zip(weights(data, t)).map(|(r, weight)| r * weight.sqrt()).collect()
-    };
-    rms(data, &data.traces.iter().zip(residuals).map(of_record).collect::<Vec<_>>())
+    rms(data, &data.traces.iter().zip(residuals).map(|(t, residual)| weighed(data, t, residual)).collect::<Vec<_>>())
+}
+
+/// A record's residual, each row times the root of what it counts.
+fn weighed(data: &Data, t: &Prepared, residual: &[f64]) -> Vec<f64> {
+    residual.iter().zip(weights(data, t)).map(|(r, weight)| r * weight.sqrt()).collect()
 }
 
 /// Whether a record's residual, weighed like that, is far more than noise: then something is wrong with it, or with the model in it.
 fn is_far_beyond_noise(data: &Data, t: &Prepared, residual: &[f64]) -> bool {
-    let rows = (0..residual.len()).zip(weights(data, t)).filter(|(row, _)| t.readout.is_data(*row));
-    let (sum, count) = rows.fold((0.0, 0u32), |(sum, n), (row, weight)| (sum + weight * residual[row].powi(2), n + 1));
+    let (sum, rows) = squares(t, &weighed(data, t, residual), 0);
     let most_pa = FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa());
-    sum > most_pa * most_pa * f64::from(count)
+    sum > most_pa * most_pa * rows as f64
 }
 
 /// The systematic part, Pa.
@@ -137,11 +139,7 @@ fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
 /// Mean product of the residuals of different repeats at the same place of a segment, Pa².
 fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segment: usize) -> f64 {
     let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
-    let rows = |t: &&Prepared| -> Vec<usize> {
-        let s = &t.course.motion.segments[segment];
-        (s.first..s.end).filter(|&i| t.readout.is_data(i)).collect()
-    };
-    let rows = repeats::beside_each_other(&traces, segment, &traces.iter().map(rows).collect::<Vec<_>>());
+    let rows = repeats::data_beside_each_other(&traces, segment);
     let length = rows[0].len();
     let aligned: Vec<Vec<f64>> =
         of_experiment.iter().zip(&rows).map(|(&k, own)| own.iter().map(|&i| residuals[k][i]).collect()).collect();

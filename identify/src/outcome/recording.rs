@@ -19,6 +19,7 @@ use chamber::effects::{CARDS, EffectSet};
 use chamber::words::listed;
 use report::digits;
 use serde::Serialize;
+use std::ops::Range;
 
 /// The noise of a recording.
 #[derive(Clone, Debug, Serialize)]
@@ -207,10 +208,7 @@ fn before_test(data: &Data) -> Option<String> {
 
 /// Which records end with an opened chamber, and from where on.
 fn opened(data: &Data) -> Option<String> {
-    let records = records_with(data, |t| {
-        let first_row = t.readout.opened.as_ref()?.start;
-        Some(format!(" from {} on", far_off::named(&[first_row], &t.lines, &t.time_s)))
-    })?;
+    let records = records_from(data, |t| t.readout.opened.as_ref())?;
     Some(format!(
         "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({records})"
     ))
@@ -218,13 +216,15 @@ fn opened(data: &Data) -> Option<String> {
 
 /// Which records are not like their repeats, and from where on.
 fn unlike_repeats(data: &Data) -> Option<String> {
-    let records = records_with(data, |t| {
-        let first_row = t.readout.unlike_repeats.as_ref()?.start;
-        Some(format!(" from {} on", far_off::named(&[first_row], &t.lines, &t.time_s)))
-    })?;
+    let records = records_from(data, |t| t.readout.unlike_repeats.as_ref())?;
     Some(format!(
         "the pressure differs from that of the other repeats of the same test by far more than repeats do elsewhere, as where a reading stands still for a while, a position is clipped or the port is opened; the rows from the first move on are left out ({records})"
     ))
+}
+
+/// The first few of the records that have such rows, each with where these begin; `None` where none has.
+fn records_from(data: &Data, rows: impl Fn(&Prepared) -> Option<&Range<usize>>) -> Option<String> {
+    records_with(data, |t| Some(format!(" from {} on", far_off::named(&[rows(t)?.start], &t.lines, &t.time_s))))
 }
 
 /// The first few of the records of which there is something to say, each with that; `None` where there are none.

@@ -19,6 +19,15 @@ pub fn are_alike(traces: &[&Prepared]) -> bool {
     traces.len() > 1 && traces.iter().all(|t| phases(t) == phases(traces[0]))
 }
 
+/// The rows of a segment of alike records that are data and stand beside each other, equally many of each.
+pub fn data_beside_each_other(traces: &[&Prepared], segment: usize) -> Vec<Vec<usize>> {
+    let rows = |t: &&Prepared| -> Vec<usize> {
+        let own = &t.course.motion.segments[segment];
+        (own.first..own.end).filter(|row| t.readout.is_data(*row)).collect()
+    };
+    beside_each_other(traces, segment, &traces.iter().map(rows).collect::<Vec<_>>())
+}
+
 /// The rows of a segment of alike records that stand beside each other, equally many of each; `rows` are those that each of them
 /// has there, in order.
 pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize>]) -> Vec<Vec<usize>> {

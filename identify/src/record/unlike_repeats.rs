@@ -64,11 +64,7 @@ fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usiz
     let traces: Vec<&Prepared> = all.iter().map(|k| &data.traces[*k]).collect();
     let (mut times, mut differences) = (Vec::new(), Vec::new());
     for (segment, _) in traces[0].course.motion.segments.iter().enumerate().filter(|(_, s)| s.phase != Phase::Move) {
-        let rows = |t: &&Prepared| -> Vec<usize> {
-            let own = &t.course.motion.segments[segment];
-            (own.first..own.end).filter(|row| t.readout.is_data(*row)).collect()
-        };
-        let rows = repeats::beside_each_other(&traces, segment, &traces.iter().map(rows).collect::<Vec<_>>());
+        let rows = repeats::data_beside_each_other(&traces, segment);
         let left = |k: usize, i: usize| residuals[all[k]][rows[k][i]];
         let of_others = |i: usize| (1..all.len()).map(|k| left(k, i)).sum::<f64>() / others.len() as f64;
         differences.extend((0..rows[0].len()).map(|i| left(0, i) - of_others(i)));
