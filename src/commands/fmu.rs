@@ -10,6 +10,7 @@ use fmu::plant::values::{
     BASE, CRITICAL_RATIO, Choices, Parameters, REALS, Starts, StrokeInput, parameter, start_inputs,
 };
 use fmu::table::effects::parameter_name;
+use records::document::{Document, Kind};
 use records::{Model, Rig, Verdict};
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,9 @@ fn version(text: &str) -> Result<Version, String> {
 
 /// Reads the model, writes the FMU.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let whole = Model::read(&args.model)?;
+    // Read once: what is no file, as a pipe, gives its text only once.
+    let model_file = Document::read_as(Kind::Model, &args.model)?;
+    let whole = Model::from_document(&model_file)?;
     let mut model = whole.clone();
     let left_out = model.leave_out_recorded_stroke();
     for place in 0..chamber::effects::COUNT {
@@ -75,7 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let (validations, left_out_rows) =
         rig.as_ref().map_or_else(|| Ok(Default::default()), |rig| measured::validations(&whole, rig))?;
     rig.iter().flat_map(|rig| measured::notes(&whole, rig)).chain(left_out_rows).for_each(|note| output::note(&note));
-    let bytes = package(args.fmi, &identity, &model, &std::fs::read(&args.model)?, &validations)
+    let bytes = package(args.fmi, &identity, &model, model_file.text().as_bytes(), &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
     if !output::is_stdout(&args.output) {

@@ -58,6 +58,12 @@ impl Bench {
         std::fs::write(self.path(name), content).unwrap();
     }
 
+    /// A named pipe in the folder.
+    #[cfg(unix)]
+    pub fn pipe(&self, name: &str) {
+        assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
+    }
+
     /// The program, about to be called in the folder.
     pub fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pneutherm"));

@@ -98,6 +98,35 @@ fn readings_far_off_are_no_part_of_the_record_in_an_fmu_nor_of_the_error() {
     assert!(note.contains("motion.csv: 2 readings far off are left out (lines 10, 152;"), "{note}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_model_from_a_pipe_gives_the_fmu_of_its_file() {
+    let bench = bench();
+    bench.call(0, &["fmu", "model.toml", "-o", "a.fmu"]);
+    let of_file = std::fs::read(bench.path("a.fmu")).unwrap();
+    bench.pipe("pipe");
+    let pipe = bench.path("pipe");
+    let writer = std::thread::spawn(move || std::fs::write(pipe, MODEL).unwrap());
+    bench.call(0, &["fmu", "pipe", "-o", "a.fmu"]);
+    writer.join().unwrap();
+    assert!(std::fs::read(bench.path("a.fmu")).unwrap() == of_file, "the pipe's FMU is another");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_table_of_points_that_is_no_file_is_refused_at_once() {
+    let bench = bench();
+    bench.pipe("points.csv");
+    std::fs::create_dir(bench.path("points.parquet")).unwrap();
+    let (head, _) = STUDY.split_once("[vary]").unwrap();
+    for name in ["points.csv", "points.parquet"] {
+        let design = format!("\"table\"\ntable = \"{name}\"");
+        bench.file("study.toml", head.replace("\"factorial\"", &design));
+        let sentence = bench.refusal(&["sweep", "study.toml", "-o", "out"]);
+        assert!(sentence.contains(&format!("{name}: it is no file; expected a Parquet or CSV file")), "{sentence}");
+    }
+}
+
 #[test]
 fn what_is_no_date_does_not_become_one_in_an_fmu() {
     let bench = bench();

@@ -47,6 +47,12 @@ impl Table {
     /// # Errors
     /// The file cannot be read, has another ending or no rows.
     pub fn open(path: &Path) -> Result<Self, Error> {
+        if !std::fs::metadata(path).map_err(Error::reading(path))?.is_file() {
+            return Err(Error::table(
+                path,
+                "it is no file; expected a Parquet or CSV file, whose rows are read more than once",
+            ));
+        }
         let (names, rows, kind) = match path.extension().and_then(|e| e.to_str()) {
             Some("parquet") => {
                 let file = File::open(path).map_err(Error::reading(path))?;
