@@ -23,16 +23,7 @@ pub struct Stretch {
 impl Stretch {
     /// From a position, m, on with a velocity, m/s, for so long, s.
     fn new(s: &Scenario, position: f64, velocity: f64, length: f64) -> Self {
-        let start = Boundary {
-            position,
-            velocity,
-            mass_flow_in: s.mass_flow_in_kg_per_s,
-            temperature_in: s.temperature_in_k,
-            mass_flow_out: s.mass_flow_out_kg_per_s,
-            ambient_temperature: s.ambient_temperature_k,
-            ambient_pressure: s.ambient_pressure_pa,
-        };
-        Self { elapsed: 0.0, length, start, clock: Clock::default() }
+        Self { elapsed: 0.0, length, start: s.boundary(position, velocity), clock: Clock::default() }
     }
 
     /// The boundary a time `t`, s, after the stretch's start.

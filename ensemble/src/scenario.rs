@@ -2,6 +2,7 @@
 
 use crate::sets;
 use chamber::Chamber;
+use chamber::balance::Boundary;
 use chamber::card::Balance;
 use chamber::effects::{self, EffectSet};
 
@@ -57,6 +58,19 @@ impl Scenario {
             mass_flow_in_kg_per_s: 0.0,
             temperature_in_k: AMBIENT_TEMPERATURE_K,
             mass_flow_out_kg_per_s: 0.0,
+        }
+    }
+
+    /// What the test imposes on the chamber while the piston is at a position, m, and moves with a velocity, m/s.
+    pub fn boundary(&self, position: f64, velocity: f64) -> Boundary {
+        Boundary {
+            position,
+            velocity,
+            mass_flow_in: self.mass_flow_in_kg_per_s,
+            temperature_in: self.temperature_in_k,
+            mass_flow_out: self.mass_flow_out_kg_per_s,
+            ambient_temperature: self.ambient_temperature_k,
+            ambient_pressure: self.ambient_pressure_pa,
         }
     }
 

@@ -267,15 +267,7 @@ impl Inputs<f64> for Motion<'_> {
         let speed = (s.final_position_m - s.initial_position_m) / s.push_time_s;
         let (position, velocity) =
             if stretch == 0 { (s.initial_position_m + speed * time, speed) } else { (s.final_position_m, 0.0) };
-        Boundary {
-            position,
-            velocity,
-            mass_flow_in: s.mass_flow_in_kg_per_s,
-            temperature_in: s.temperature_in_k,
-            mass_flow_out: s.mass_flow_out_kg_per_s,
-            ambient_temperature: s.ambient_temperature_k,
-            ambient_pressure: s.ambient_pressure_pa,
-        }
+        s.boundary(position, velocity)
     }
 }
 
