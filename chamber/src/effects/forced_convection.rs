@@ -8,7 +8,8 @@ use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
-const EXPONENT: f64 = 0.8;
+/// Exponent of the speed.
+pub const EXPONENT: f64 = 0.8;
 /// Keeps the logarithm finite at rest, m/s.
 const SMALLEST_SPEED: f64 = 1e-30;
 

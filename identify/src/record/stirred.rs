@@ -9,10 +9,9 @@ use super::block::Block;
 use super::spline::Spline;
 use super::stroke::{Motion, Phase};
 use super::whiten::RELAXING;
+use chamber::effects::forced_convection::EXPONENT;
 use std::cell::Cell;
 
-/// Exponent of the speed in the coefficient of forced convection.
-const EXPONENT: f64 = 0.8;
 /// Standard deviation of the heat that is open, over what half of the rows change of it, gap by gap: corners leave as much open, a
 /// smooth stroke a third of it.
 const LEFT_OPEN: f64 = 0.7;
