@@ -126,7 +126,7 @@ fn emphasised(text: &str) -> String {
     parts.map(|(i, part)| if i % 2 == 0 { escaped(part) } else { format!("<b>{}</b>", escaped(part)) }).collect()
 }
 
-/// Text for HTML, its control characters replaced.
+/// Text for HTML or XML, also as an attribute's value, its control characters replaced.
 pub fn escaped(text: &str) -> String {
     without_control(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -147,6 +147,11 @@ mod tests {
         assert_eq!(inline("a\u{1}b \u{1b}[1m\tc\n"), "a\u{fffd}b \u{fffd}[1m\tc\n");
         let svg = crate::chart::sheet("a\u{0}b\u{b}", &[], 1);
         assert!(svg.is_ok_and(|svg| !svg.contains(['\u{0}', '\u{b}'])));
+    }
+
+    #[test]
+    fn characters_that_xml_forbids_are_replaced() {
+        assert_eq!(escaped("a\u{1}<b>\u{1b}\t\"\u{ffff}"), "a\u{fffd}&lt;b&gt;\u{fffd}\t&quot;\u{fffd}");
     }
 
     #[test]

@@ -6,7 +6,8 @@ use crate::plant::values::Starts;
 use crate::table::effects::{camel, effects_here};
 use crate::table::variable::{Role, Variable};
 use crate::table::{settable, table};
-use crate::xml::{escaped, number};
+use crate::xml::number;
+use report::page::escaped;
 use std::fmt::Write;
 
 /// The FMU's icon.
