@@ -8,6 +8,7 @@
 //! | `points`, `vary` | `[vary]`, or the columns of a table |
 //! | `constraints`, `comparison` | which points make sense |
 //! | `test` | `[test]` |
+//! | `size` | how many rows and parts there may be |
 //! | `check` | values that no row could use |
 //! | `statistics` | `[statistics]` |
 
@@ -18,6 +19,7 @@ mod names;
 mod points;
 mod read;
 mod section;
+mod size;
 mod statistics;
 mod test;
 mod vary;

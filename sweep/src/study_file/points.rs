@@ -4,6 +4,7 @@ use super::check::{self, Bounds};
 use super::constraints;
 use super::names::{self, NotFound};
 use super::section::{Entry, Section};
+use super::size;
 use super::vary::{self, VariedAxis, varied};
 use crate::design::table::Table;
 use crate::design::{Axes, Design, NAMES, sobol};
@@ -23,6 +24,8 @@ use std::path::Path;
 pub struct Points<'a> {
     /// How the points are made.
     pub design: Design,
+    /// How many there are.
+    pub rows: u64,
     /// What varies, in the order of the columns.
     pub varied: Vec<Varied>,
     /// Where `[vary]` says so, for error messages; none for a table.
@@ -101,12 +104,7 @@ pub fn read<'a>(
     refuse_axes(vary, entry, name, &found, copula.as_ref())?;
     let samples = || {
         let entry = study.require("samples", &format!("the number of samples of a \"{name}\" design"))?;
-        let samples = entry.whole(1)?;
-        if samples > 1 << 52 {
-            Err(entry.because(format!("is {samples}; at most 2^52 are allowed")))
-        } else {
-            Ok(samples)
-        }
+        size::checked_rows(entry, Some(entry.whole(1)?))
     };
     let second_order = match study.get("second_order") {
         Some(entry) if name != "saltelli" => {
@@ -124,7 +122,9 @@ pub fn read<'a>(
         "sobol" => Design::sobol(axes, samples()?, seed),
         _ => Design::saltelli(axes, samples()?, seed, second_order),
     };
-    Ok(Points { design, varied, entries, table_sha256: None })
+    let asks = study.get("samples").filter(|_| name != "factorial").unwrap_or(entry);
+    let rows = size::checked_rows(asks, design.rows())?;
+    Ok(Points { design, rows, varied, entries, table_sha256: None })
 }
 
 /// Refuses axes that a design cannot have: none, more than it has dimensions for, levels or correlations that it lacks.
@@ -210,5 +210,6 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
         }
     }
     let table_sha256 = Some(hash::of_file(&file).map_err(Error::reading(&file))?);
-    Ok(Points { design: Design::Table(table), varied: list, entries: Vec::new(), table_sha256 })
+    let rows = size::checked_rows(entry, Some(table.rows()))?;
+    Ok(Points { design: Design::Table(table), rows, varied: list, entries: Vec::new(), table_sha256 })
 }

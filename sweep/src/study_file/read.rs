@@ -3,6 +3,7 @@
 use super::constraints;
 use super::points::{self, Points};
 use super::section::{Entry, Section};
+use super::size;
 use super::statistics;
 use super::test;
 use super::{Overrides, SOLVERS, TOLERANCES};
@@ -20,17 +21,6 @@ use std::path::Path;
 const KEYS: [&str; 12] = [
     "model", "name", "design", "samples", "second_order", "table", "columns", "seed", "fit", "solver", "tolerance", "parts",
 ];
-
-/// Rows of a part at most, unless the study sets the number of parts.
-const ROWS_PER_PART: u64 = 1 << 20;
-/// Files that a folder can still be asked to hold.
-const MOST_PARTS: u64 = 1 << 20;
-/// Rows that so many parts hold: years of work.
-const MOST_ROWS: u64 = MOST_PARTS * ROWS_PER_PART;
-/// Parts of a study of many rows at least, so that shards have something to share.
-const PARTS_OF_A_LARGE_STUDY: u64 = 16;
-/// Rows below which a further part is not worth a file.
-const ROWS_WORTH_A_PART: u64 = 1 << 10;
 
 /// Rows that are all looked at before the first is solved, whether the constraints leave any.
 const ROWS_LOOKED_AT: u64 = 1 << 14;
@@ -107,14 +97,10 @@ impl Study {
         study.finish()?;
         let base = test::read(&model, &test, &points.varied)?;
         points.check(&model, &base, solver, &test, path)?;
-        let Points { design, varied, table_sha256, .. } = points;
-        let rows = design.rows().filter(|&rows| rows <= MOST_ROWS).ok_or_else(|| {
-            let path = path.display();
-            Error::Option(format!("{path}: the design has more rows than a study may have ({MOST_ROWS}); coarsen it"))
-        })?;
+        let Points { design, rows, varied, table_sha256, .. } = points;
         let parts = match parts {
-            Some((entry, parts)) => checked_parts(entry, parts, rows)?,
-            None => default_parts(rows),
+            Some((entry, parts)) => size::checked_parts(entry, parts, rows)?,
+            None => size::default_parts(rows),
         };
         let constraints = constraints::read(&vary, &design, &base, &varied)?;
         let notes = without_effect(&study, &vary, &design);
@@ -164,23 +150,6 @@ fn tolerance(entry: Field<'_>) -> Result<f64, Error> {
     } else {
         Err(entry.because(format!("is {value}; expected a number from 1e-13 to 1e-2")))
     }
-}
-
-/// Number of parts that follows from a number of rows.
-fn default_parts(rows: u64) -> u64 {
-    let small = rows.div_ceil(ROWS_WORTH_A_PART).clamp(1, PARTS_OF_A_LARGE_STUDY);
-    small.max(rows.div_ceil(ROWS_PER_PART))
-}
-
-/// The number of files that the study asks for, where so many make sense for its rows.
-fn checked_parts(entry: Field<'_>, parts: u64, rows: u64) -> Result<u64, Error> {
-    if parts > MOST_PARTS {
-        return Err(entry.because(format!("is {parts}; at most {MOST_PARTS} files are allowed")));
-    }
-    if parts > rows {
-        return Err(entry.because(format!("is {parts}, but the design has only {rows} rows")));
-    }
-    Ok(parts)
 }
 
 /// Whether no row is left to solve: each is left out by a constraint, or cannot be.

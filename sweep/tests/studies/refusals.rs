@@ -77,14 +77,22 @@ fn a_range_that_cannot_be_is_named() {
 
 #[test]
 fn a_study_beyond_all_measure_is_refused_before_it_takes_time_or_memory() {
+    let more = "line 3: study.samples: asks for more rows than a study may have (1099511627776); coarsen the design";
     for (design, expected) in [
-        ("design = \"sobol\"\nsamples = 4000000000000000", "more rows than a study may have (1099511627776)"),
-        ("design = \"saltelli\"\nsamples = 4000000000000000", "more rows than a study may have (1099511627776)"),
+        ("design = \"sobol\"\nsamples = 1099511627777", more),
+        ("design = \"sobol\"\nsamples = 9000000000000000000", more),
+        ("design = \"latin-hypercube\"\nsamples = 9000000000000000000", more),
+        // Of this design a sample is three rows and more.
+        ("design = \"saltelli\"\nsamples = 1000000000000", more),
         ("design = \"sobol\"\nsamples = 1000000000000\nparts = 100000000000", "at most 1048576 files are allowed"),
     ] {
         let message = refusal(&text(design, "bore_m = { from = 0.02, to = 0.03 }"));
         assert!(message.contains(expected), "{message}");
     }
+    let levels = ["bore_m", "push_time_s", "final_stroke_m"]
+        .map(|name| format!("{name} = {{ from = 0.01, to = 0.02, count = 2000000 }}"));
+    let message = refusal(&text("design = \"factorial\"", &levels.join("\n")));
+    assert!(message.contains("line 2: study.design: asks for more rows than a study may have"), "{message}");
     let largest = text("design = \"sobol\"\nsamples = 1099511627776", "bore_m = { from = 0.02, to = 0.03 }");
     assert_eq!(Study::about(&model(), &largest).unwrap().parts, 1 << 20);
 }
