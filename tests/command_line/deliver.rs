@@ -280,13 +280,13 @@ fn a_trace_rate_without_traces_is_wrong_usage() {
 #[test]
 fn a_study_whose_rows_all_fail_is_written_and_ends_with_an_error() {
     let bench = bench();
-    // The dead volume alone has a ratio of 1.7 mm.
-    let by_length = "volume_to_area_by_length_m = { values = [0.001] }";
-    let ratios = STUDY.replace("bore_m = { values = [0.016, 0.032] }", by_length);
-    bench.file("study.toml", ratios);
+    let emptied = STUDY.replace("bore_m = { values = [0.016, 0.032] }", "mass_flow_out_kg_per_s = { values = [1.0] }");
+    bench.file("study.toml", emptied);
     let told = text(&bench.call(1, &["sweep", "study.toml", "-o", "out"]).stderr);
     assert!(
-        told.contains("no row of the study has a result; the most frequent reason (3 of 3 rows): no length"),
+        told.contains(
+            "no row of the study has a result; the most frequent reason (3 of 3 rows): the chamber runs empty"
+        ),
         "{told}"
     );
     assert!(text(&bench.call(0, &["sweep", "--verify", "out"]).stdout).contains("3 rows"));

@@ -4,7 +4,7 @@ use crate::quantity::Base;
 use crate::quantity::point::Point;
 use crate::result::status::Failure;
 use chamber::{AreaLaw, Geometry};
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Largest and smallest bore that a volume-to-area ratio is solved for, m.
 const BORES_M: (f64, f64) = (1e-4, 10.0);
@@ -59,6 +59,24 @@ pub fn bores_give([rod, dead_volume, stroke]: [f64; 3], area_law: AreaLaw) -> Ra
     low * (1.0 - SLACK)..=high * (1.0 + SLACK)
 }
 
+/// The volume-to-area ratios that lengths give, at bores, rods and dead volumes within these bounds; all of them and, where these
+/// are single values, no others. With its length the ratio goes from that of the dead volume to that of an endless column.
+pub fn lengths_give([bores, rods, dead_volumes]: [&RangeInclusive<f64>; 3], area_law: AreaLaw) -> Range<f64> {
+    if bores.start() <= rods.end() {
+        // Some have no gap between rod and barrel.
+        return 0.0..f64::INFINITY;
+    }
+    let [[narrow, least_ends], [wide, most_ends]] = [(bores.start(), rods.end()), (bores.end(), rods.start())]
+        .map(|(bore, rod)| Geometry::new(*bore, *rod, 0.0, area_law).area_constants());
+    let dead_alone = |volume: f64, lateral: f64, ends: f64| match area_law {
+        AreaLaw::Total => volume / (volume * lateral + ends),
+        AreaLaw::Swept => volume / ends,
+    };
+    let least = dead_alone(*dead_volumes.start(), narrow, most_ends);
+    let most = dead_alone(*dead_volumes.end(), wide, least_ends);
+    least.min(1.0 / narrow)..most.max(1.0 / wide)
+}
+
 /// The smallest bore that is looked at, with that rod.
 fn least_bore(rod: f64) -> f64 {
     BORES_M.0.max(rod * (1.0 + 1e-12))
@@ -104,4 +122,38 @@ fn root(mut a: f64, mut b: f64, mut at_a: f64, mut at_b: f64, miss: impl Fn(f64)
         (b, at_b) = (c, at_c);
     }
     b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a length gives that ratio at that chamber.
+    fn is_given(wanted: f64, geometry: &Geometry) -> bool {
+        let mut point = Point::EMPTY;
+        point.set(Base::VolumeToAreaByLength, wanted);
+        point.set(Base::InitialStroke, 0.1);
+        point.set(Base::FinalStroke, 0.05);
+        strokes(geometry, &point).is_ok()
+    }
+
+    #[test]
+    fn lengths_give_the_ratios_between_that_of_the_dead_volume_and_that_of_an_endless_column() {
+        for law in [AreaLaw::Total, AreaLaw::Swept] {
+            // With the last of them, under the swept length's law, the ratio falls with the length.
+            for (bore, rod, dead) in [(0.02, 0.0, 0.0), (0.063, 0.02, 2e-5), (0.032, 0.012, 1e-3), (0.02, 0.0, 1e-4)] {
+                let geometry = Geometry::new(bore, rod, dead, law);
+                let Range { start, end } = lengths_give([&(bore..=bore), &(rod..=rod), &(dead..=dead)], law);
+                for share in [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6] {
+                    assert!(is_given(start + share * (end - start), &geometry), "{law:?} {bore} {dead} {share}");
+                }
+                for beyond in [start * (1.0 - 1e-9), end * (1.0 + 1e-9)] {
+                    assert!(beyond <= 0.0 || !is_given(beyond, &geometry), "{law:?} {bore} {dead} {beyond}");
+                }
+                // Of several chambers those of each.
+                let of_all = lengths_give([&(0.5 * bore..=2.0 * bore), &(0.0..=rod), &(0.0..=dead)], law);
+                assert!(of_all.start <= start && end <= of_all.end, "{law:?} {bore} {dead}");
+            }
+        }
+    }
 }

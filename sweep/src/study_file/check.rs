@@ -7,7 +7,7 @@
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
 use crate::row::geometry;
-use chamber::{AreaLaw, Geometry, effects};
+use chamber::{AreaLaw, effects};
 use ensemble::{Solver, WITHOUT_CLOSED_FORM};
 use records::Model;
 use report::number::shortest;
@@ -139,15 +139,29 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
         return Err(refused(Base::VolumeToArea, &message));
     }
     a_bore(bounds, law)?;
-    if let (Some(most), Some(bore)) = (bounds.most(Base::VolumeToAreaByLength), bounds.most(Base::Bore)) {
-        let geometry = Geometry::new(bore, bounds.least(Base::Rod).unwrap_or(0.0), 0.0, law);
-        let limit = 1.0 / (geometry.heat_transfer_area(1.0) - geometry.heat_transfer_area(0.0));
-        if most >= limit {
-            let message = format!("takes {most}, but at a bore of {bore} m every length gives less than {limit:.6} m");
-            return Err(refused(Base::VolumeToAreaByLength, &message));
-        }
-    }
-    Ok(())
+    a_length(bounds, law)
+}
+
+/// A volume-to-area ratio is one that some length gives at some bore.
+fn a_length(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
+    let Some(wanted) = bounds.get(Base::VolumeToAreaByLength) else { return Ok(()) };
+    let [Some(bores), Some(rods), Some(dead)] = [Base::Bore, Base::Rod, Base::DeadVolume].map(|base| bounds.get(base))
+    else {
+        return Ok(());
+    };
+    let given = geometry::lengths_give([bores, rods, dead], law);
+    let at = match (bores.start(), bores.end()) {
+        (one, other) if one == other => format!("at a bore of {one} m"),
+        (from, to) => format!("at a bore from {from} m to {to} m"),
+    };
+    let message = if wanted.end().is_finite() && *wanted.end() >= given.end {
+        format!("takes {}, but {at} every length gives less than {:.6} m", wanted.end(), given.end)
+    } else if *wanted.start() <= given.start {
+        format!("takes {}, but {at} every length gives more than {:.6} m", wanted.start(), given.start)
+    } else {
+        return Ok(());
+    };
+    Err(refused(Base::VolumeToAreaByLength, &message))
 }
 
 /// A volume-to-area ratio is one that some bore gives: the greatest at the most volume, the least at the least.

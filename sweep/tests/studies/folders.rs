@@ -236,9 +236,7 @@ fn a_study_without_any_result_has_its_most_frequent_reason() {
         let report = run(&study("design = \"factorial\"", vary), &at(&folder), Shard::WHOLE, &quiet).unwrap();
         report.why_without_results().map(|(reason, rows)| (reason.to_owned(), rows))
     };
-    // The dead volume alone has a greater ratio.
-    let dead = "dead_volume_m3 = { values = [1e-3] }\nvolume_to_area_by_length_m";
-    let (reason, rows) = why(&format!("{dead} = {{ values = [0.001, 0.002] }}")).unwrap();
-    assert!(reason.contains("no length") && rows == 2, "{reason} {rows}");
-    assert_eq!(why("volume_to_area_by_length_m = { values = [0.003, 1e-9] }"), None);
+    let (reason, rows) = why("mass_flow_out_kg_per_s = { values = [0.5, 1.0] }").unwrap();
+    assert!(reason.contains("runs empty") && rows == 2, "{reason} {rows}");
+    assert_eq!(why("mass_flow_out_kg_per_s = { values = [0.0, 1.0] }"), None);
 }

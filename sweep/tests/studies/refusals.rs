@@ -174,6 +174,14 @@ fn a_value_that_no_row_could_use_is_refused_before_the_first_row() {
             "volume_to_area_by_length_m = { values = [0.005] }",
             "at a bore of 0.02 m every length gives less than 0.005000 m",
         ),
+        (
+            "dead_volume_m3 = { values = [1e-3] }\nvolume_to_area_by_length_m = { values = [0.001] }",
+            "takes 0.001, but at a bore of 0.02 m every length gives more than 0.004984 m",
+        ),
+        (
+            "bore_m = { values = [0.02, 0.03] }\nvolume_to_area_by_length_m = { values = [0.006, 0.008] }",
+            "takes 0.008, but at a bore from 0.02 m to 0.03 m every length gives less than 0.007500 m",
+        ),
         (&format!("{by_length}\nfinal_stroke_m = {{ values = [0.05] }}"), "is what both strokes are solved from"),
         (&format!("{by_length}\nvolume_to_area_m = {{ values = [0.004] }}"), "solved for in two ways"),
     ] {

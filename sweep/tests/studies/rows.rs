@@ -107,16 +107,10 @@ fn the_strokes_are_solved_for_a_volume_to_area_ratio_at_a_bore() {
             // A cylinder by the book: V = Vd + π φ² x/4, A = 4V/φ + π φ²/2.
             let volume = dead_volume + std::f64::consts::PI / 4.0 * bore * bore * last[i];
             let area = 4.0 * volume / bore + std::f64::consts::PI / 2.0 * bore * bore;
-            if status == "failed: no length gives this volume-to-area ratio at this bore" {
-                // The dead volume alone has more.
-                let least = dead_volume / (4.0 * dead_volume / bore + std::f64::consts::PI / 2.0 * bore * bore);
-                assert!(wanted[i] <= least);
-                continue;
-            }
+            assert!(!status.starts_with("failed"), "{status}");
             assert!((volume / area / wanted[i] - 1.0).abs() < 1e-12 && (ratio[i] / wanted[i] - 1.0).abs() < 1e-12);
             assert!((initial[i] / last[i] / 2.0 - 1.0).abs() < 1e-14, "the strokes keep the test's proportion");
         }
-        assert!(statuses(batch).iter().filter(|status| status.starts_with("failed")).count() < 2);
     }
 }
 
