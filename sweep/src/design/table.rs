@@ -11,7 +11,7 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, Parq
 use records::layout::Separator;
 use report::number::shortest;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 /// What stands between the fields of a CSV file. A row is a line, so that a complaint names its line exactly: the `csv` crate
 /// counts blank lines and the second half of a CR LF towards the next record.
 const COMMA: Separator = Separator::Byte(b',');
+/// The longest line of a CSV file, bytes: a file without line ends is not taken into memory as one line.
+const MAX_LINE: u64 = 1 << 20;
 /// Rows between remembered places of a CSV file.
 const STRIDE: u64 = 16_384;
 
@@ -202,7 +204,7 @@ impl Table {
         let mut text = String::new();
         while row < rows.end {
             text.clear();
-            if reader.read_line(&mut text).map_err(&read)? == 0 {
+            if reader.by_ref().take(MAX_LINE).read_line(&mut text).map_err(&read)? == 0 {
                 return Err(Error::table(&self.path, "the table became shorter while it was read"));
             }
             line += 1;
@@ -246,12 +248,22 @@ fn unbroken<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Error::table(path, "the Parquet file is damaged")))
 }
 
+/// Refuses a line of which only the beginning was read.
+fn check_length(path: &Path, line: u64, begin: &[u8]) -> Result<(), Error> {
+    if begin.len() as u64 == MAX_LINE && !begin.ends_with(b"\n") {
+        let message = format!("line {line} is longer than {MAX_LINE} bytes; expected a row of a few numbers");
+        return Err(Error::table(path, message));
+    }
+    Ok(())
+}
+
 /// Reads a CSV file once: its header, its number of rows and where every [`STRIDE`]-th begins.
 fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let read = Error::reading(path);
     let mut reader = BufReader::new(File::open(path).map_err(&read)?);
     let mut text = String::new();
-    let mut byte = reader.read_line(&mut text).map_err(&read)? as u64;
+    let mut byte = reader.by_ref().take(MAX_LINE).read_line(&mut text).map_err(&read)? as u64;
+    check_length(path, 1, text.as_bytes())?;
     let header = text.trim_start_matches('\u{feff}').trim();
     let names: Vec<String> = records::fields_of_line(header, COMMA).into_iter().map(str::to_owned).collect();
     if let ([_], Some(separator)) = (&names[..], header.chars().find(|c| matches!(c, ';' | '\t'))) {
@@ -266,10 +278,11 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let mut bytes = Vec::new();
     loop {
         bytes.clear();
-        let length = reader.read_until(b'\n', &mut bytes).map_err(&read)?;
+        let length = reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes).map_err(&read)?;
         if length == 0 {
             return Ok((names, rows, Kind::Csv(places)));
         }
+        check_length(path, line + 1, &bytes)?;
         if !bytes.iter().all(u8::is_ascii_whitespace) {
             if rows % STRIDE == 0 {
                 places.push((byte, line));
@@ -310,6 +323,23 @@ mod tests {
         let table = Table::open(&path).unwrap();
         let message = table.fill(0..2, &mut [vec![], vec![]]).unwrap_err().to_string();
         assert!(message.contains("line 3, column `rod_m`: `1 cm` is not a finite number"), "{message}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_without_line_ends_is_refused_and_not_taken_into_memory_as_one_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let refused = |begin: &str| {
+            std::fs::write(&path, begin).unwrap();
+            // Of so many bytes that the system takes no memory for, none on the disk.
+            File::options().write(true).open(&path).unwrap().set_len(1 << 40).unwrap();
+            Table::open(&path).err().unwrap().to_string()
+        };
+        for (begin, line) in [("bore_m", 1), ("bore_m\n0.02\n0.03", 3)] {
+            let message = refused(begin);
+            assert!(message.contains(&format!("line {line} is longer than 1048576 bytes")), "{message}");
+        }
     }
 
     #[test]
