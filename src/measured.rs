@@ -19,12 +19,15 @@ use std::collections::HashMap;
 /// A record without pressure, or one that the model cannot follow.
 pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<(Vec<Validation>, Vec<String>)> {
     let followed = rig.traces().map(|record| Followed::of(model, rig, record)).collect::<anyhow::Result<Vec<_>>>()?;
-    let left_out = left_out(rig, &followed);
+    let (left_out, not_looked_for) = match left_out(rig, &followed) {
+        Ok(rows) => (rows, None),
+        Err(why) => (vec![Vec::new(); followed.len()], Some(format!("readings far off are not looked for: {why}"))),
+    };
     let notes = followed.iter().zip(&left_out).filter_map(|(f, rows)| {
         let Trace { path, lines, time_s, .. } = f.record;
         far_off::sentence(path, rows, lines, time_s)
     });
-    let notes = notes.collect();
+    let notes = not_looked_for.into_iter().chain(notes).collect();
     Ok((followed.into_iter().zip(&left_out).map(|(f, rows)| f.validation(model, rows)).collect(), notes))
 }
 
@@ -74,12 +77,13 @@ impl<'a> Followed<'a> {
     }
 }
 
-/// Rows of each record that are far off. None of records that cannot be prepared for a comparison, which `validate` refuses.
-fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Vec<Vec<usize>> {
-    let none = || vec![Vec::new(); followed.len()];
-    let Ok(data) = Data::prepare(rig) else { return none() };
-    if data.traces.len() != followed.len() {
-        return none();
+/// Rows of each record that are far off; why they are not looked for where records cannot be prepared for a comparison, which
+/// `validate` refuses.
+fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Result<Vec<Vec<usize>>, String> {
+    let data = Data::prepare(rig).map_err(|error| error.to_string())?;
+    let (prepared, all) = (data.traces.len(), followed.len());
+    if prepared != all {
+        return Err(format!("{} of {all} records cannot be compared with the others", all - prepared));
     }
     let rows: Vec<Vec<usize>> = data.traces.iter().zip(followed).map(|(t, f)| rows_of(t, f.record)).collect();
     let residuals: Vec<Vec<f64>> =
@@ -91,7 +95,7 @@ fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Vec<Vec<usize>> {
         found.sort_unstable();
         found
     };
-    data.traces.iter().zip(&rows).map(of_record).collect()
+    Ok(data.traces.iter().zip(&rows).map(of_record).collect())
 }
 
 /// The row of the record that each prepared row is: that of the same line, as some rows are not prepared.

@@ -98,6 +98,18 @@ fn readings_far_off_are_no_part_of_the_record_in_an_fmu_nor_of_the_error() {
     assert!(note.contains("motion.csv: 2 readings far off are left out (lines 10, 152;"), "{note}");
 }
 
+#[test]
+fn an_fmu_says_so_where_readings_far_off_are_not_looked_for_in_its_records() {
+    let bench = bench();
+    let rest: String = (0..200).map(|k| format!("{},101300,0.1\n", 0.01 * f64::from(k))).collect();
+    bench.file("motion.csv", format!("time_s,pressure_pa,position_m\n{rest}"));
+    let refused = bench.refusal(&["validate", "model.toml", "rig.toml"]);
+    let output = bench.call(0, &["fmu", "model.toml", "--validation", "rig.toml", "-o", "a.fmu"]);
+    let note = text(&output.stderr);
+    let reason = refused.strip_prefix("error: ").unwrap();
+    assert_eq!(note, format!("note: readings far off are not looked for: {reason}"));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_model_from_a_pipe_gives_the_fmu_of_its_file() {
