@@ -50,14 +50,6 @@ impl Study {
         Study::parse(document, None, Overrides::default())
     }
 
-    /// A study from its text; paths in it are relative to the folder of `path`, which also names it in errors.
-    ///
-    /// # Errors
-    /// As [`Study::read`].
-    pub fn from_toml(text: &str, path: &Path) -> Result<Study, Error> {
-        Study::from_document(&Document::parse(path, text.to_owned())?)
-    }
-
     /// A study from its text about a model at hand: the text names no model.
     ///
     /// # Errors

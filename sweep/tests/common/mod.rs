@@ -6,7 +6,7 @@ use arrow::datatypes::{Float64Type, Int32Type};
 use arrow::record_batch::RecordBatch;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use records::{Model, Provenance};
+use records::{Document, Model, Provenance};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Local, Study};
@@ -48,6 +48,11 @@ pub fn study(head: &str, vary: &str) -> Study {
 /// The text of that study.
 pub fn text(head: &str, vary: &str) -> String {
     format!("[study]\n{head}\n{TEST}\n[vary]\n{vary}\n")
+}
+
+/// A study from its text; paths in it are relative to the folder of `path`.
+pub fn study_at(text: &str, path: &Path) -> Result<Study, sweep::Error> {
+    Study::from_document(&Document::parse(path, text.to_owned())?)
 }
 
 /// The folder of a study.

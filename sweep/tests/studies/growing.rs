@@ -1,6 +1,6 @@
 //! Studies that grow: what a smaller one has solved is taken from there, and the result is the one made in one go.
 
-use crate::common::{at, model, parts, quiet, study, text};
+use crate::common::{at, model, parts, quiet, study, study_at, text};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Earlier, Options, Shard, Study, run};
@@ -105,7 +105,7 @@ fn on_table(folder: &Path, rows: u32, file: &str, first_bore: f64) -> Study {
     let head = "model = \"model.toml\"\nname = \"points\"\ndesign = \"table\"\nfit = false\nparts = 2\ntable = ";
     let study = |file: &str, more: &str| {
         let text = text(&format!("{head}\"{file}\"\n{more}"), "") + WANTED;
-        Study::from_toml(&text, &folder.join("study.toml")).unwrap()
+        study_at(&text, &folder.join("study.toml")).unwrap()
     };
     if file == "points.parquet" {
         sweep::run_to_file(&study("points.csv", ""), &folder.join(file), &quiet).unwrap();

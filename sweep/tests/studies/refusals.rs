@@ -1,6 +1,6 @@
 //! What is wrong with a study file is said with its line and key.
 
-use crate::common::{model, text};
+use crate::common::{model, study_at, text};
 use sweep::Study;
 
 fn refusal(text: &str) -> String {
@@ -240,15 +240,13 @@ fn every_row_of_a_table_is_checked_before_the_first_is_solved() {
         let header = "bore_m,leakage.conductance_m3_per_s_pa,rod_m\n";
         std::fs::write(folder.path().join("points.csv"), format!("{header}{good}{last}\n")).unwrap();
         let head = "model = \"model.toml\"\ndesign = \"table\"\ntable = \"points.csv\"";
-        let message =
-            Study::from_toml(&text(head, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
+        let message = study_at(&text(head, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
         assert!(message.contains("points.csv: ") && message.contains(expected), "{message}");
     }
     std::fs::write(folder.path().join("points.csv"), "bore_m,leakage.conductance_m3_per_s_pa\n0.02,0\n0.02,1e-12\n")
         .unwrap();
     let exact = "model = \"model.toml\"\ndesign = \"table\"\ntable = \"points.csv\"\nsolver = \"exact\"";
-    let message =
-        Study::from_toml(&text(exact, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
+    let message = study_at(&text(exact, ""), &folder.path().join("study.toml")).map(drop).unwrap_err().to_string();
     assert!(message.contains("row 1: effect.leakage.conductance_m3_per_s_pa takes 1e-12"), "{message}");
 }
 

@@ -1,6 +1,6 @@
 //! Whole studies: what is in the table, and that it does not depend on how it came about.
 
-use crate::common::{BORES, at, model, parts, quiet, read, study, text, values};
+use crate::common::{BORES, at, model, parts, quiet, read, study, study_at, text, values};
 use sweep::{Shard, Study, run, run_in_memory, run_to_file};
 
 #[test]
@@ -81,15 +81,14 @@ fn a_table_of_ones_own_is_a_design() {
     std::fs::write(folder.path().join("points.csv"), format!("chamber.bore_m,initial_pressure_pa\n{rows}")).unwrap();
     model().write(&folder.path().join("model.toml")).unwrap();
     let head = "model = \"model.toml\"\ndesign = \"table\"\nfit = false\ntable = ";
-    let study =
-        |file: &str| Study::from_toml(&text(&format!("{head}\"{file}\""), ""), &folder.path().join("s.toml")).unwrap();
+    let study = |file: &str| study_at(&text(&format!("{head}\"{file}\""), ""), &folder.path().join("s.toml")).unwrap();
     let from_csv = run_in_memory(&study("points.csv")).unwrap();
     assert_eq!(from_csv.iter().map(|b| b.num_rows()).sum::<usize>(), 3000);
     assert_eq!(values(&from_csv[0], "chamber.bore_m")[7], 0.02 + 7e-5);
     // A study's own output serves as a table, with the columns that are picked.
     run_to_file(&study("points.csv"), &folder.path().join("points.parquet"), &quiet).unwrap();
     let again = text(&format!("{head}\"points.parquet\"\ncolumns = [\"chamber.bore_m\", \"initial_pressure_pa\"]"), "");
-    let again = Study::from_toml(&again, &folder.path().join("s.toml")).unwrap();
+    let again = study_at(&again, &folder.path().join("s.toml")).unwrap();
     assert_eq!(run_in_memory(&again).unwrap()[0].columns(), from_csv[0].columns());
 }
 
