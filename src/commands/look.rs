@@ -1,7 +1,7 @@
 //! `pneutherm look`: what a trace file holds, and a rig file for it.
 
 use crate::output;
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use records::layout::Quantity;
 use records::look::columns::Names;
 use records::look::motion::{self, Cycle, Phase};
@@ -44,6 +44,9 @@ pub struct Args {
     /// Write the rig file to this file, `-` for standard output
     #[arg(short, long, value_name = "RIG.toml")]
     output: Option<PathBuf>,
+    /// Replace a rig file that is there and is not what would be written, such as one that was filled in
+    #[arg(long, requires = "output")]
+    force: bool,
     /// Write the result as JSON to this file, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -72,6 +75,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         },
     );
     if let Some(path) = &args.output {
+        if !args.force {
+            refuse_other_rig(path, &rig)?;
+        }
         output::write(path, rig.as_bytes())?;
     }
     if let Some(path) = &args.json {
@@ -86,6 +92,18 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let _ = write!(out, "\nproposed rig file (write it with -o rig.toml):\n\n{rig}");
     }
     output::print(out.as_bytes())
+}
+
+/// Refuses to replace a rig file that has been filled in since, or is another's.
+fn refuse_other_rig(path: &Path, rig: &str) -> anyhow::Result<()> {
+    let is_other = || !std::fs::read(path).is_ok_and(|bytes| bytes == rig.as_bytes());
+    if !output::is_stdout(path) && path.is_file() && is_other() {
+        bail!(
+            "{}: not written, because another rig file is there; choose another name, or replace it with --force",
+            path.display()
+        );
+    }
+    Ok(())
 }
 
 fn cycles(found: &Found) -> (Vec<Cycle>, usize) {

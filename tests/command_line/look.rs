@@ -86,3 +86,21 @@ fn windows_of_single_tests_are_written_without_what_rounding_adds() {
         assert!(phase["from_s"].to_string().len() <= "5.990".len(), "{phase}");
     }
 }
+
+#[test]
+fn a_rig_file_that_was_filled_in_is_replaced_only_by_force() {
+    let bench = Bench::new();
+    let look = ["look", "motion.csv", "-o", "looked.toml"];
+    bench.call(0, &look);
+    let proposed = std::fs::read(bench.path("looked.toml")).unwrap();
+    // The same again is no loss.
+    bench.call(0, &look);
+    let filled_in = [&proposed[..], b"# filled in\n"].concat();
+    bench.file("looked.toml", &filled_in);
+    let sentence = bench.refusal(&look);
+    assert!(sentence.contains("looked.toml: not written, because another rig file is there"), "{sentence}");
+    assert_eq!(std::fs::read(bench.path("looked.toml")).unwrap(), filled_in);
+    bench.call(0, &[&look[..], &["--force"]].concat());
+    assert_eq!(std::fs::read(bench.path("looked.toml")).unwrap(), proposed);
+    assert!(text(&bench.call(2, &["look", "motion.csv", "--force"]).stderr).contains("--output"));
+}
