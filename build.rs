@@ -1,4 +1,4 @@
-//! Builds the FMU's shared library and hands it to the program, which carries it inside (`src/commands/fmu.rs`).
+//! Builds the FMU's shared library and hands it to the program, which carries it inside (`src/fmu_of_model.rs`).
 //!
 //! A library must be a `cdylib` of its own, optimised as a whole; Cargo builds none for a dependency. So this runs Cargo
 //! once more, for `fmu/cdylib`, into a target folder of its own under `OUT_DIR`. Libraries for other platforms, and one

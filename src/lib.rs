@@ -8,6 +8,7 @@ mod bucket;
 mod commands;
 pub mod evaluation;
 mod failure;
+mod fmu_of_model;
 pub mod interrupt;
 mod measured;
 mod other_rig;

@@ -1,6 +1,6 @@
 //! What decides how a row is solved, and what is known of a row that has been checked.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::filter::Behind;
 use crate::instructions;
 use crate::scenario::{Scenario, Solver};

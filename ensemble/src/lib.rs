@@ -31,6 +31,7 @@
 // In unit tests nothing calls the integration of batches, see `sets_with_code_of_their_own`.
 #![cfg_attr(test, allow(dead_code, unused_imports, unused_variables))]
 
+mod batch;
 mod chambers;
 mod closed;
 mod conduction;
@@ -54,18 +55,16 @@ mod scenario;
 mod sets;
 mod ways;
 
+pub use batch::CHUNK;
 pub use general::compiled::has_code_of_its_own;
 pub use instructions::InstructionSet;
 pub use outcome::{Failure, Fit, Outcome};
 pub use regression::samples::SAMPLE_RATE_HZ;
 pub use scenario::{Options, Scenario, Solver};
 
+use batch::Batch;
 use chamber::effects::EffectSet;
-use pulp::Arch;
 use ways::Ways;
-
-/// Scenarios that are solved together: as many as keep their working memory in a core's cache.
-pub const CHUNK: usize = 512;
 
 /// Solves each scenario into the outcome of the same index: [`Kernel::run`], with memory for this once.
 ///
@@ -100,14 +99,6 @@ impl Kernel {
             self.ways.solve(set, Batch { arch, scenarios, options }, out);
         }
     }
-}
-
-/// Scenarios that are solved together, how, and with which instructions.
-#[derive(Clone, Copy)]
-struct Batch<'a> {
-    arch: Arch,
-    scenarios: &'a [Scenario],
-    options: &'a Options,
 }
 
 /// The effects with which a test has no closed form, beside flows.

@@ -1,6 +1,6 @@
 //! The ways in which rows are solved, and which of them a row takes.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::closed::ClosedRows;
 use crate::features::Features;
 use crate::general::GeneralRows;

@@ -8,6 +8,7 @@ mod studies;
 mod tables;
 mod trend;
 
+use crate::fmu_of_model;
 use anyhow::{Context, Result, ensure};
 use fmu::identity::Identity;
 use fmu::package::Version;
@@ -116,7 +117,7 @@ impl<'a> Work<'a> {
 
     fn fmu(&self) -> Result<Vec<u8>> {
         let model = self.model(Law::Column);
-        crate::commands::fmu::package(Version::Two, &Identity::reference(), model, model.to_toml()?.as_bytes(), &[])
+        fmu_of_model::package(Version::Two, &Identity::reference(), model, model.to_toml()?.as_bytes(), &[])
     }
 
     /// The report's sections, made of the studies in the folder when they are first asked for.

@@ -94,13 +94,13 @@ def test_files_import_one_way(root, crate):
     refuse_circles({module: {other for other in used if other[: len(module)] != module} for module, used in graph.items()})
 
 
-@pytest.mark.parametrize("crate", ["chamber", "records", "ensemble", "paper", "sweep", "fmu", "report"])
+@pytest.mark.parametrize("crate", ["chamber", "records", "ensemble", "paper", "sweep", "fmu", "report", "."])
 def test_folders_import_one_way(root, crate):
     for graph in Crate(root / crate / "src").folders():
         refuse_circles(graph)
 
 
-@pytest.mark.parametrize("crate", ["records", "sweep", "fmu", "report"])
+@pytest.mark.parametrize("crate", ["chamber", "records", "paper", "sweep", "fmu", "report", "."])
 def test_modules_and_their_parts_import_one_way(root, crate):
     refuse_circles(Crate(root / crate / "src").graph)
 

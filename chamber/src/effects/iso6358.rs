@@ -5,7 +5,7 @@
 //! C  m³/(s Pa)  sonic conductance;  b  1  critical pressure ratio;  ψ linear in r above r = 0.999.
 //! T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air (times 287/R for another gas). Source: ISO 6358-1:2013.
 
-use super::nearer;
+use super::nearest::nearer;
 use crate::card::{Fitted, Normal, Parameter, Prior};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows};

@@ -4,7 +4,8 @@
 //! G in m³/(s Pa). Inflow enters at ambient temperature.
 //! Source: compressible Poiseuille flow, isothermal, e.g. White, Viscous Fluid Flow, chapter 3.
 
-use super::{Effect, nearer};
+use super::Effect;
+use super::nearest::nearer;
 use crate::card::{Balance, Card, Parameter, Unit};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Flows, Rates};

@@ -6,6 +6,7 @@
 
 mod effect;
 pub mod iso6358;
+mod nearest;
 mod set;
 mod values;
 
@@ -14,7 +15,6 @@ pub use set::EffectSet;
 pub use values::EffectValues;
 
 use crate::card::{ActsOn, Balance, Card};
-use crate::real::Real;
 
 // `$dollar` is the dollar sign of the macros that this one makes, which it cannot write itself.
 macro_rules! effects {
@@ -99,6 +99,16 @@ macro_rules! effects_where {
     }};
 }
 
+impl EffectSet {
+    /// Every effect of the list.
+    pub const ALL: EffectSet = EffectSet::of([true; COUNT]);
+
+    /// The set of those [`bits`](Self::bits).
+    pub const fn from_bits(bits: u32) -> Self {
+        Self::of_bits(bits).intersection(Self::ALL)
+    }
+}
+
 /// Every effect's declaration, in order.
 pub const CARDS: [Card; COUNT] = of_each!(E => E::CARD);
 
@@ -130,22 +140,6 @@ pub const KINKS: usize = {
 
 /// [`Effect::constant`] of each effect.
 pub type EffectConstants<R = f64> = [R; COUNT];
-
-/// `value` where it lies between the two, else `to`.
-#[inline(always)]
-fn nearer<R: Real>(value: R, from: R, to: R) -> R {
-    ((value - from) * (to - value)).where_positive(value, to)
-}
-
-/// The first of these after `from` and before `to`; the latter where there is none.
-#[inline(always)]
-fn nearest<R: Real>(places: &[R], from: R, to: R) -> R {
-    let mut first = to;
-    for place in places {
-        first = nearer(*place, from, first);
-    }
-    first
-}
 
 /// Where each effect's parameters begin in [`EffectValues`]; the last entry is their number.
 pub const PARAMETER_OFFSETS: [usize; COUNT + 1] = offsets(true);

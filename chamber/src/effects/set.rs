@@ -1,7 +1,5 @@
 //! Sets of effects, by their places in the list.
 
-use super::COUNT;
-
 /// A set of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct EffectSet(u32);
@@ -9,15 +7,13 @@ pub struct EffectSet(u32);
 impl EffectSet {
     /// No effect: the paper's model.
     pub const NONE: EffectSet = EffectSet(0);
-    /// Every effect of the list.
-    pub const ALL: EffectSet = EffectSet((1 << COUNT) - 1);
 
     /// The set of that one effect, by its place in the list.
     pub const fn one(index: usize) -> Self {
         Self(1 << index)
     }
     /// The set of the effects at whose places it says so.
-    pub(super) const fn of(is_in: [bool; COUNT]) -> Self {
+    pub(super) const fn of<const COUNT: usize>(is_in: [bool; COUNT]) -> Self {
         let (mut bits, mut i) = (0, 0);
         while i < COUNT {
             bits |= (is_in[i] as u32) << i;
@@ -29,9 +25,9 @@ impl EffectSet {
     pub const fn bits(self) -> u32 {
         self.0
     }
-    /// The set of those [`bits`](Self::bits).
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits & Self::ALL.0)
+    /// The set of those bits, of which none is beyond the list.
+    pub(super) const fn of_bits(bits: u32) -> Self {
+        Self(bits)
     }
     /// Whether the effect at that place is in the set.
     #[inline(always)]

@@ -5,7 +5,7 @@ pub mod readings;
 mod rows;
 mod test;
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::features::Features;
 use crate::filter::Behind;
 use crate::outcome::Outcome;

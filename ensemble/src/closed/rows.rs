@@ -2,7 +2,7 @@
 //! form ([`kept`](crate::closed::kept)), and what a sensor shows of either ([`readings`]). No integration, no
 //! tolerance.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::chambers::Chambers;
 use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};

@@ -3,7 +3,7 @@
 use super::course;
 use super::equations::{ASKED, AT_RUN_TIME, TIGHT, states};
 use super::{Kind, relaxation, remembering};
-use crate::Batch;
+use crate::batch::Batch;
 use crate::instructions;
 use crate::outcome::Outcome;
 use crate::plan::Plan;

@@ -1,7 +1,7 @@
 //! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
 //! of their records.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::ending::AfterPush;
 use crate::filter::Sensor;
 use crate::general::Kind;

@@ -9,7 +9,7 @@ mod relaxation;
 pub mod relaxing_rows;
 mod remembering;
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::features::Features;
 use crate::outcome::{Failure, Outcome};
 use crate::plan::Plan;

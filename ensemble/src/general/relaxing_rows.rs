@@ -1,7 +1,7 @@
 //! Tests whose push is integrated and whose hold is an integral over the temperature: those that no gas enters or leaves,
 //! with effects that have no states, and a record that shows the gas. See [`relaxation`](crate::general::relaxation).
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::chambers::Chambers;
 use crate::ending::{AfterPush, Ending, HoldsEnded};
 use crate::general::relaxation::{HoldPart, Pushed, Record, Solve};

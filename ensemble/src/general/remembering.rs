@@ -1,7 +1,7 @@
 //! Holds of tight rows in front of a wall that remembers, with what keeps the closed form beside it: by [`crate::conduction`], from
 //! where the integrator has taken their pushes.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::chambers::Chambers;
 use crate::closed::kept;
 use crate::conduction::lengths::{LEVELS, OF_ENDS};

@@ -2,7 +2,7 @@
 //! of them. Their holds go one way, or turn round once on the way from the peak ([`crate::own::turns`]): what does not is left to a
 //! way that looks for all places where a record turns.
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::ending::Ending;
 use crate::instructions::Wide;
 use crate::integrator::advance::{Nobody, advance};

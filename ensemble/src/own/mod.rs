@@ -15,7 +15,7 @@ mod test;
 mod turns;
 mod walled;
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::features::Features;
 use crate::outcome::Outcome;
 use chamber::effects::EffectSet;

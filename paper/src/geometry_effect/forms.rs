@@ -2,7 +2,7 @@
 //!
 //! λ = c · Π quantity^exponent, c in W/(m² K) at the quantities' reference values; a form's exponents are fixed or fitted.
 
-use super::Point;
+use super::point::Point;
 
 /// A quantity a form may be a power of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

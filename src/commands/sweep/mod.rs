@@ -1,11 +1,13 @@
 //! `pneutherm sweep`: a parameter study of the push-and-hold test as partitioned Parquet.
 
+mod of_shard;
 mod summaries;
 mod verify;
 
 use super::progress::{Progress, Telling};
 use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
+use of_shard::{parts_of, rows_of};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -164,14 +166,4 @@ fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, byt
             store.place().display()
         ));
     }
-}
-
-/// Parts of a shard.
-fn parts_of(study: &Study, shard: Shard) -> impl Iterator<Item = u64> {
-    (0..study.parts).filter(move |part| shard.has(*part))
-}
-
-/// Rows of a shard.
-fn rows_of(study: &Study, shard: Shard) -> u64 {
-    parts_of(study, shard).map(|part| study.rows_of(part)).map(|rows| rows.end - rows.start).sum()
 }

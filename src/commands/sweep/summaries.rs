@@ -1,6 +1,6 @@
 //! What `pneutherm sweep` prints of a study: before it runs, and of what it has done.
 
-use super::{parts_of, rows_of};
+use super::of_shard::{parts_of, rows_of};
 use crate::output;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The curve of an empirical term: its value, slope and knots.
 
 use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS};
-use crate::effects::nearest;
+use crate::effects::nearest::nearest;
 use crate::real::Real;
 
 /// The value at x, and its slope there.

@@ -3,7 +3,7 @@
 use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS, TERM, VARIABLE, length, says};
 use super::term::Term;
 use super::variable::Variable;
-use crate::effects::nearest;
+use crate::effects::nearest::nearest;
 use crate::real::Real;
 
 /// A heat flow over the pressure as a sum of hinges, y(P) = first + Σ bend max(P − knot, 0): W, Pa and W/Pa.

@@ -3,7 +3,7 @@
 
 use super::hold::{self, Ends, Holds, Record, Solve};
 use super::{ConvectiveTest, EFFECTS};
-use crate::Batch;
+use crate::batch::Batch;
 use crate::ending::{AfterPush, HoldsEnded};
 use crate::general::relaxing_rows;
 use crate::instructions::Wide;

@@ -5,7 +5,7 @@
 mod dense;
 mod push;
 
-use crate::Batch;
+use crate::batch::Batch;
 use crate::conduction::lengths::{LEVELS, OF_NODES};
 use crate::conduction::response::Response;
 use crate::conduction::step::GasAndWall;
