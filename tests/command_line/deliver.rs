@@ -106,7 +106,7 @@ fn an_fmu_says_so_where_readings_far_off_are_not_looked_for_in_its_records() {
     let refused = bench.refusal(&["validate", "model.toml", "rig.toml"]);
     let output = bench.call(0, &["fmu", "model.toml", "--validation", "rig.toml", "-o", "a.fmu"]);
     let note = text(&output.stderr);
-    let reason = refused.strip_prefix("error: ").unwrap();
+    let reason = refused.strip_prefix("error: rig.toml: ").unwrap();
     assert_eq!(note, format!("note: readings far off are not looked for: {reason}"));
 }
 
@@ -179,7 +179,9 @@ fn records_of_another_rig_in_an_fmu_are_noted_as_validate_notes_them() {
         bench.file("other.toml", rig);
         text(&bench.call(0, &["fmu", "model.toml", "--validation", "other.toml", "-o", "a.fmu"]).stderr)
     };
-    assert_eq!(notes(RIG), "");
+    // The pressure of the bench's motion does not answer the stroke, which is noted too.
+    let not_looked_for = "note: readings far off are not looked for: motion.csv: the pressure stays within";
+    assert!(notes(RIG).starts_with(not_looked_for) && notes(RIG).lines().count() == 1, "{}", notes(RIG));
     let found = notes(&RIG.replace("bore_m = 0.02", "bore_m = 0.032"));
     assert!(found.starts_with("note: bore: 32.00 mm in the rig file, 20.00 mm in the model, which is used"), "{found}");
     assert!(notes(&format!("{RIG}[gas]\nname = \"helium\"\n")).contains("note: gas: helium, R = 2077"));
