@@ -15,7 +15,7 @@ use crate::numerics::gauss::NODES;
 use crate::numerics::root::Curve;
 use crate::outcome::SETTLED;
 use crate::outcome::{Failure, Outcome};
-use crate::regression::relaxing::{self, ENDS, Relaxing};
+use crate::regression::relaxing::{self, ENDS, Relaxing, STEEP_ENDS};
 use crate::regression::{Guess, Records, Regressions};
 use crate::scenario::Scenario;
 use chamber::balance::Balances;
@@ -58,14 +58,16 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     let kind = |test: &ExactTest| {
         let relaxations = test.rate * test.hold;
         let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
-        (test.is_bent, test.parts as u32, of_record)
+        (test.is_bent, options.fit && test.is_steep(), test.parts as u32, of_record)
     };
     let kinds: Vec<_> = all.iter().map(kind).collect();
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
     order.sort_unstable_by_key(|&test| kinds[test as usize]);
-    let (straight, bent) = order.split_at(order.partition_point(|&test| !kinds[test as usize].0));
-    let groups = straight.chunks(WIDTH).map(|order| (EffectSet::NONE, order));
-    for (set, order) in groups.chain(bent.chunks(WIDTH).map(|order| (set, order))) {
+    let kind_of_code = |test: &u32| (kinds[*test as usize].0, kinds[*test as usize].1);
+    let alike = order.chunk_by(|a, b| kind_of_code(a) == kind_of_code(b));
+    for order in alike.flat_map(|tests| tests.chunks(WIDTH)) {
+        let (is_bent, is_steep, ..) = kinds[order[0] as usize];
+        let set = if is_bent { set } else { EffectSet::NONE };
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
@@ -75,7 +77,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
         let outcomes = if shown.is_empty() {
-            solved.outcomes(arch, &mut buffers.records, options.fit, scenario)
+            solved.outcomes(arch, &mut buffers.records, options.fit.then_some(is_steep), scenario)
         } else {
             solved.readings(arch, buffers, shown, options.fit, scenario)
         };
@@ -206,17 +208,17 @@ impl Solved<'_> {
         }
     }
 
-    /// The outcomes where the record shows the gas.
+    /// The outcomes where the record shows the gas, with a regression where it is said whether their records are steep.
     fn outcomes<'s>(
         &self,
         arch: Arch,
         records: &mut Records,
-        fit: bool,
+        is_steep: Option<bool>,
         scenario: impl Fn(usize) -> &'s Scenario,
     ) -> [Outcome; WIDTH] {
         let Self { tests, ends } = *self;
-        let found = fit.then(|| {
-            let guess = arch.dispatch(Record { tests, ends, records });
+        let found = is_steep.map(|is_steep| {
+            let guess = arch.dispatch(Record { tests, ends, records, is_steep });
             records.fit(arch, guess)
         });
         let ended = self.ended(found);
@@ -255,14 +257,15 @@ impl Solved<'_> {
 }
 
 /// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
-struct ExactHold<const FUSED: bool> {
+struct ExactHold<const FUSED: bool, const STEEP: bool> {
     at_rest: Lanes,
     excess: Lanes,
     rate: Lanes,
     slowness: Lanes,
 }
 
-impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
+impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> {
+    const ENDS: &'static [f64] = if STEEP { &STEEP_ENDS } else { &ENDS };
     type Knot = Lanes;
     type Course<'a> = &'a Self;
 
@@ -282,7 +285,7 @@ impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
     }
 }
 
-impl<const FUSED: bool> Curve for &ExactHold<FUSED> {
+impl<const FUSED: bool, const STEEP: bool> Curve for &ExactHold<FUSED, STEEP> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
@@ -294,6 +297,7 @@ struct Record<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
     records: &'a mut Records,
+    is_steep: bool,
 }
 
 impl WithSimd for Record<'_> {
@@ -301,17 +305,22 @@ impl WithSimd for Record<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Guess {
-        if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
+        match (I::IS_SCALAR, self.is_steep) {
+            (true, false) => self.fill::<false, false>(),
+            (true, true) => self.fill::<false, true>(),
+            (false, false) => self.fill::<true, false>(),
+            (false, true) => self.fill::<true, true>(),
+        }
     }
 }
 
 impl Record<'_> {
     #[inline(always)]
-    fn fill<const FUSED: bool>(self) -> Guess {
-        let Self { tests: t, ends, records } = self;
+    fn fill<const FUSED: bool, const STEEP: bool>(self) -> Guess {
+        let Self { tests: t, ends, records, .. } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
-        let hold = ExactHold::<FUSED> {
+        let hold = ExactHold::<FUSED, STEEP> {
             at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
             excess,
             rate: ends.rate,

@@ -11,6 +11,11 @@ use core::hint::black_box;
 /// by each the distance from the equilibrium falls by a factor e. The last ends with the record.
 pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
+/// The same of one that is steep at first: near to its pole, where P = Pf/(1 − ε e^(−kt)) begins at many times Pf, the pressure falls
+/// in proportion to 1/(kt + Pf/P).
+pub const STEEP_ENDS: [f64; ENDS.len() + 3] =
+    [0.01, 0.04, 0.12, 0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+
 /// The same of one that slows down: λ ∝ |T − Tw|² makes each relaxation take seven times as long as the one before.
 pub const SLOWING_ENDS: &[f64] =
     &[0.25, 0.5, 0.8, 1.1, 1.5, 1.9, 2.4, 3.0, 3.6, 4.4, 5.3, 6.5, 8.0, 13.0, f64::INFINITY];

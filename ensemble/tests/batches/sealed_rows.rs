@@ -100,3 +100,49 @@ fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
         }
     }
 }
+
+/// τ, s, of the least squares over the samples of P = Pf/(1 − ε e^(−k t)), one by one: a search over ln τ, as nothing of the program does.
+fn least_squares([excess, rate]: [f64; 2], times_s: &[f64]) -> f64 {
+    let count = times_s.len() as f64;
+    let pressures: Vec<f64> = times_s.iter().map(|t| 1.0 / (1.0 - excess * (-rate * t).exp())).collect();
+    let mean_p = pressures.iter().sum::<f64>() / count;
+    let residual = |log_tau: f64| {
+        let decays: Vec<f64> = times_s.iter().map(|t| (-t / log_tau.exp()).exp()).collect();
+        let mean_d = decays.iter().sum::<f64>() / count;
+        let products = decays.iter().zip(&pressures).map(|(d, p)| [(d - mean_d) * (p - mean_p), (d - mean_d).powi(2)]);
+        let [common, own] = products.fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+        pressures.iter().map(|p| (p - mean_p).powi(2)).sum::<f64>() - common * common / own
+    };
+    let [mut low, mut high] = [0.005, 2.0].map(|share: f64| (share / rate).ln());
+    for _ in 0..60 {
+        let [a, b] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
+        if residual(a) < residual(b) { high = b } else { low = a }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+#[test]
+fn the_time_constant_of_a_pressure_of_many_times_the_last_is_that_of_the_least_squares() {
+    let mut r = Numbers(61);
+    let mut scenarios = sealed(64);
+    for s in &mut scenarios {
+        s.chamber.geometry.dead_volume = 0.0;
+        s.initial_position_m = 20.0;
+        s.final_position_m = 20.0 / r.between(10.0, 1000.0);
+        s.push_time_s = 0.01;
+        hold_for(s, r.between(3.0, 12.0));
+    }
+    let mut steepest: f64 = 0.0;
+    for (row, (s, o)) in scenarios.iter().zip(results(EffectSet::NONE, &scenarios, &Options::default())).enumerate() {
+        // From the outcome: 1 − Tw/T decays with the rate k, from the peak to the end.
+        let [pushed, end] = [o.temperature_peak_k, o.temperature_final_k].map(|t| 1.0 - s.ambient_temperature_k / t);
+        let rate = (pushed / end).ln() / (s.duration_s - s.push_time_s);
+        let samples = 1..=(100.0 * s.duration_s).floor() as u32;
+        let times_s: Vec<f64> = samples.map(|k| f64::from(k) / 100.0 - s.push_time_s).collect();
+        let expected = least_squares([pushed, rate], &times_s);
+        let ratio = 1.0 / (1.0 - pushed);
+        steepest = steepest.max(ratio);
+        assert_close(o.fit.unwrap().time_constant_s, expected, 5e-4, &format!("row {row}, ratio {ratio}"));
+    }
+    assert!(steepest > 10.0, "{steepest}");
+}
