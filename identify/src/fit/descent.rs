@@ -27,12 +27,14 @@ pub struct Until {
     pub slow_iterations: usize,
     /// Descents of a fit at most, each from where the one before stopped without converging.
     pub descents: usize,
+    /// χ² of the best fit that is known. What stays far behind it, creeping, is given up.
+    pub best: f64,
 }
 
 impl Until {
     /// At a minimum: a step that gains so little of χ² moves no number by more than a twentieth of its standard deviation (√0.002). The
     /// iterations only end a fit that creeps.
-    pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1, descents: 2 };
+    pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1, descents: 2, best: f64::INFINITY };
     /// The same by one descent, wherever that ends.
     pub const ONE_DESCENT: Self = Self { descents: 1, ..Self::SETTLED };
     /// Where steps gain next to nothing beside decisive evidence: the far end of a narrow valley is not waited for. A single
@@ -43,11 +45,19 @@ impl Until {
     pub const fn after(iterations: usize) -> Self {
         Self { iterations, ..Self::SETTLED }
     }
+
+    /// At a minimum, unless it stays far behind a fit with so large a χ².
+    pub const fn beside(best: f64) -> Self {
+        Self { best, ..Self::SETTLED }
+    }
 }
 
 /// A step that takes less than this share of χ² away leads so little far that the simulations keep their steps: with steps chosen
 /// anew χ² scatters by more than what the last iterations gain.
 const NEAR: f64 = 0.01;
+/// A fit that takes less than this share of its way to the best known one in each of so many iterations in a row stays far behind it:
+/// in all iterations of its descents it would not come there.
+const CREEPING: (f64, usize) = (0.01, 3);
 /// Dampings that are tried before an iteration is given up.
 const MOST_DAMPINGS: usize = 12;
 /// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
@@ -84,6 +94,8 @@ pub struct Descent {
     pub iterations: usize,
     /// Whether it ended at a minimum.
     pub converged: bool,
+    /// Whether it was given up far behind the best fit that is known.
+    pub given_up: bool,
     /// Where the problem was linearised last.
     pub at: Linearised,
 }
@@ -91,7 +103,15 @@ pub struct Descent {
 impl Descent {
     /// One that begins at these coordinates.
     pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
-        Self { rig, own, chi2: f64::INFINITY, iterations: 0, converged: false, at: Linearised::Nowhere }
+        Self {
+            rig,
+            own,
+            chi2: f64::INFINITY,
+            iterations: 0,
+            converged: false,
+            given_up: false,
+            at: Linearised::Nowhere,
+        }
     }
 }
 
@@ -109,8 +129,8 @@ pub fn descend(
 ) -> Result<Descent, Failure> {
     let problem = Problem { data, hypothesis, selection, own_axes: own_axes(data, hypothesis) };
     let mut here = Descent::at(rig, own);
-    let (mut damping, mut slow_iterations) = (FIRST_DAMPING, 0);
-    while here.iterations < until.iterations && !here.converged {
+    let (mut damping, mut slow_iterations, mut creeping) = (FIRST_DAMPING, 0, 0);
+    while here.iterations < until.iterations && !here.converged && !here.given_up {
         let linear = linearise(data, hypothesis, &here.rig, &here.own, selection, here.at.near())?;
         here.chi2 = total(&linear);
         here.iterations += 1;
@@ -121,6 +141,8 @@ pub fn descend(
                 let gain = here.chi2 - trial.chi2;
                 slow_iterations = if gain < settled { slow_iterations + 1 } else { 0 };
                 here.converged = slow_iterations >= until.slow_iterations;
+                creeping = if gain < CREEPING.0 * (here.chi2 - until.best) { creeping + 1 } else { 0 };
+                here.given_up = creeping >= CREEPING.1;
                 here.at = if gain < NEAR * here.chi2 { Linearised::Near(linear) } else { Linearised::Nowhere };
                 (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
             }
@@ -228,6 +250,9 @@ fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::all_blocks;
+    use crate::parameters::{Model, Sizes, first_chamber};
+    use crate::synthetic::Recipe;
     use chamber::record::Mesh;
     use nalgebra::DMatrix;
 
@@ -253,5 +278,21 @@ mod tests {
         let (far, near) = (error(0.2), error(0.1));
         assert!(far[1] < 0.25 * far[0] && near[1] < 0.12 * near[0], "{far:?} {near:?}");
         assert!((far[0] / near[0]).log2() > 1.9 && (far[1] / near[1]).log2() > 2.7, "{far:?} {near:?}");
+    }
+
+    #[test]
+    fn a_fit_that_stays_far_behind_the_best_known_one_is_given_up_and_one_beside_it_is_not() {
+        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
+        let first = first_chamber(&data);
+        let h = Hypothesis::new(&data, Model::PAPER, &first, &Sizes::of(&data, &first));
+        let descent = |until: Until| {
+            descend(&data, &h, h.coordinates(&first), h.first_owns(&data), &all_blocks(&data), until).unwrap()
+        };
+        let settled = descent(Until::SETTLED);
+        assert!(settled.converged && settled.iterations > CREEPING.1);
+        let beside = descent(Until::beside(0.9 * settled.chi2));
+        assert!(beside.converged && beside.chi2 == settled.chi2);
+        let far_behind = descent(Until::beside(-1e15));
+        assert!(far_behind.given_up && !far_behind.converged && far_behind.iterations == CREEPING.1);
     }
 }

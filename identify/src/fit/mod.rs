@@ -57,7 +57,7 @@ pub fn fit_until(
 ) -> Result<Fit, Failure> {
     let mut found = descend(data, hypothesis, rig, own, selection, until)?;
     for _ in 1..until.descents {
-        if found.converged {
+        if found.converged || found.given_up {
             break;
         }
         found = descend(data, hypothesis, found.rig, found.own, selection, until)?;

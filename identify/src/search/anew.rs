@@ -3,7 +3,7 @@
 
 use super::starts::fit_model;
 use super::{Candidate, Search, baseline, sort, terms};
-use crate::fit::{self, Fit};
+use crate::fit::{self, Fit, Until};
 use crate::judge::{adequacy, evidence, left_out, misfit};
 use crate::policy;
 use crate::record::data::Data;
@@ -61,7 +61,7 @@ impl Search {
         self.data = data;
         // Without other outliers there are other blocks.
         self.folds = left_out::folds(&self.data);
-        let fit = self.refit(&self.baseline.fit).unwrap_or_else(|| self.baseline.fit.clone());
+        let fit = self.refit(&self.baseline.fit, Until::SETTLED).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
         self.baseline = self.judged(Candidate { fit, held_out: None, ..self.baseline.clone() });
         self.chosen = self.baseline.clone();
@@ -69,13 +69,18 @@ impl Search {
         self.steps = vec![self.baseline.clone()];
     }
 
-    pub(super) fn refit(&self, fit: &Fit) -> Option<Fit> {
-        fit::fit(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &fit::all_blocks(&self.data)).ok()
+    pub(super) fn refit(&self, fit: &Fit, until: Until) -> Option<Fit> {
+        let selection = fit::all_blocks(&self.data);
+        fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &selection, until).ok()
     }
 
+    /// Candidates, the best first, fitted again; those that stay far behind the best are not waited for.
     pub(super) fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
-        let again: Vec<Candidate> =
-            candidates.par_iter().filter_map(|c| Some(self.candidate(self.refit(&c.fit)?))).collect();
+        let Some((first, others)) = candidates.split_first() else { return Vec::new() };
+        let best = self.refit(&first.fit, Until::SETTLED);
+        let until = best.as_ref().map_or(Until::SETTLED, |best| Until::beside(best.chi2));
+        let others = others.par_iter().filter_map(|c| self.refit(&c.fit, until)).collect::<Vec<_>>();
+        let again: Vec<Candidate> = best.into_iter().chain(others).map(|fit| self.candidate(fit)).collect();
         let mut out: Vec<Candidate> = again.par_iter().map(|c| self.no_worse_than_a_part(c, &again)).collect();
         sort(&mut out);
         out

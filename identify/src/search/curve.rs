@@ -260,7 +260,9 @@ impl Search {
 
     /// A curve that was refitted roughly, at its minimum.
     fn refitted_fully(&self, rough: Judged) -> Judged {
-        let Some(fit) = self.refit(&rough.candidate.fit).filter(|fit| fit.converged) else { return rough };
+        let Some(fit) = self.refit(&rough.candidate.fit, Until::SETTLED).filter(|fit| fit.converged) else {
+            return rough;
+        };
         let candidate = self.judged(self.candidate(fit));
         let left_out_pa = self.left_out(&candidate).unwrap_or(rough.left_out_pa);
         Judged { candidate, left_out_pa, ..rough }

@@ -28,7 +28,7 @@ pub(crate) mod terms;
 mod verdict;
 
 use crate::error::Error;
-use crate::fit::Fit;
+use crate::fit::{Fit, Until};
 use crate::judge::adequacy::{self, Adequacy};
 use crate::judge::evidence::bic;
 use crate::judge::left_out::{self, Fold, HeldOut};
@@ -41,7 +41,7 @@ use chamber::effects::EffectSet;
 use curve::ReadOff;
 use rayon::prelude::*;
 pub use records::Verdict;
-use starts::fit_model;
+use starts::fit_model_until;
 
 /// A model that was fitted.
 #[derive(Clone, Debug)]
@@ -400,11 +400,15 @@ impl Search {
         Candidate { model: fit.hypothesis.model, delta_bic: bic(&self.baseline.fit) - bic(&fit), fit, held_out: None }
     }
 
-    /// Fits each model from the largest part of it that is there; best evidence first.
+    /// Fits each model from the largest part of it that is there, those that stay far behind the best so far not to the end; best
+    /// evidence first.
     fn fit_all(&self, models: &[Model]) -> Vec<Candidate> {
+        let best = self.tried.first().map_or(self.chosen.fit.chi2, |c| c.fit.chi2.min(self.chosen.fit.chi2));
         let mut out: Vec<Candidate> = models
             .par_iter()
-            .filter_map(|model| fit_model(&self.data, *model, self.part_of(model), &self.sizes))
+            .filter_map(|model| {
+                fit_model_until(&self.data, *model, self.part_of(model), &self.sizes, Until::beside(best))
+            })
             .map(|fit| self.candidate(fit))
             .collect();
         sort(&mut out);
@@ -458,6 +462,7 @@ impl Search {
 
 #[cfg(test)]
 mod tests {
+    use super::starts::fit_model;
     use super::*;
     use crate::synthetic::Recipe;
     use chamber::effects::find;

@@ -25,8 +25,13 @@ const THE_SAME: f64 = 1e-4;
 /// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew. Where the
 /// part has lost λ0, that starts anew too; the better of both.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+    fit_model_until(data, model, part, sizes, Until::SETTLED)
+}
+
+/// The same until another end.
+pub fn fit_model_until(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let bases = bases(data, part, &model).into_par_iter();
-    best(bases.filter_map(|base| fit_from(&base, data, model, part, sizes)).collect())
+    best(bases.filter_map(|base| fit_from(&base, data, model, part, sizes, until)).collect())
 }
 
 fn best(fits: Vec<Fit>) -> Option<Fit> {
@@ -67,13 +72,14 @@ fn has_lost_lambda0(chamber: &Chamber) -> bool {
     (chamber.heat_transfer.coefficient / FIRST_LAMBDA0).ln().abs() > FIRST_GUESS_REACH
 }
 
-fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
+fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let begun = trials(base, data, model, part, sizes, &selection);
     let least = begun.first()?.1.chi2;
     let leads_on = |start: &Descent| start.chi2 == least || is_rival(start.chi2, least);
     let go_on: Vec<_> = begun.into_iter().filter(|(_, start)| leads_on(start)).take(STARTS_THAT_GO_ON).collect();
-    let fitted = |(h, start): (Hypothesis, Descent)| fit::fit(data, &h, start.rig, start.own, &selection).ok();
+    let fitted =
+        |(h, start): (Hypothesis, Descent)| fit::fit_until(data, &h, start.rig, start.own, &selection, until).ok();
     best(go_on.into_par_iter().filter_map(fitted).collect())
 }
 
