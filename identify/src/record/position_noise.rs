@@ -1,7 +1,8 @@
 //! The noise of a position's record, m, and the rounding that a mean of its readings keeps.
 
 use super::lattice;
-use super::scatter::scatter;
+use super::scatter::{scatter, scatter_about_bends};
+use records::extremes;
 use std::f64::consts::PI;
 
 /// Less is no change of a position, m.
@@ -20,9 +21,25 @@ pub fn step(position_m: &[f64]) -> f64 {
 pub fn position_noise(position_m: &[f64]) -> f64 {
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
     let smallest_m = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
-    let most_m = if step(position_m) > 0.0 { COARSEST_M } else { FINEST_M };
-    let least = if smallest_m.is_finite() { (smallest_m / 12.0f64.sqrt()).min(most_m) } else { 0.0 };
+    let (step_m, goes_on) = (step(position_m), goes_on(position_m));
+    let most_m = if step_m > 0.0 { COARSEST_M } else { FINEST_M };
+    // The smallest change of a piston that hardly ever rests may be many steps.
+    let rounded_to_m = if goes_on && step_m > 0.0 { smallest_m.min(step_m) } else { smallest_m };
+    let least = if rounded_to_m.is_finite() { (rounded_to_m / 12.0f64.sqrt()).min(most_m) } else { 0.0 };
+    let scatter = if goes_on { scatter_about_bends } else { scatter };
     scatter(position_m).max(least)
+}
+
+/// Whether the piston goes on in so many of the rows that its stroke's bends are among the small ones of the record. A window's way
+/// is the share of the whole from which on they can be larger than the noise; what else bends at rest, a filter's noise, is none.
+fn goes_on(position_m: &[f64]) -> bool {
+    const ROWS: usize = 13;
+    const WAY: f64 = 0.01;
+    const SHARE: f64 = 0.25;
+    let (low, high) = extremes(position_m);
+    let ways = position_m.windows(ROWS).map(extremes).map(|(lowest, highest)| highest - lowest);
+    let (all, far) = ways.fold((0, 0), |(all, far), way| (all + 1, far + usize::from(way > WAY * (high - low))));
+    far as f64 > SHARE * all as f64
 }
 
 /// Standard deviation that rounding to a sensor's steps leaves of the mean of so many readings of one place, m, however many they are.
@@ -54,6 +71,88 @@ pub fn rounding_of_mean(readings_m: &[f64], step_m: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::synthetic::Random;
+
+    /// Positions of that stroke, m, at so many rows, as far apart as is said in s, with that noise, m, and rounded to those steps, m.
+    fn recorded(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64, step_m: f64) -> Vec<f64> {
+        let mut random = Random::new(12);
+        let places = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
+        places.map(|x| (x / step_m).round() * step_m).collect()
+    }
+
+    fn sine(frequency_hz: f64) -> impl Fn(f64) -> f64 {
+        move |t: f64| 0.1 - 0.01 * (1.0 - (2.0 * PI * frequency_hz * t).cos())
+    }
+
+    /// 50 mm in 0.13 s from 1.013 s on and back from 4.017 s on, at an even speed.
+    fn push_and_hold(t: f64) -> f64 {
+        let way = |begin: f64| ((t - begin) / 0.13).clamp(0.0, 1.0);
+        0.1 - 0.05 * (way(1.013) - way(4.017))
+    }
+
+    #[test]
+    fn the_bends_of_a_fast_sine_are_no_noise_at_any_rate() {
+        for noise_m in [1e-6, 3e-6, 2e-5] {
+            for (frequency_hz, rate_hz, rows) in [
+                (1.5, 50.0, 600),
+                (1.5, 100.0, 600),
+                (2.0, 50.0, 300),
+                (4.0, 100.0, 600),
+                (5.0, 50.0, 300),
+                (5.0, 100.0, 600),
+                (5.0, 500.0, 3000),
+                (5.0, 5000.0, 30_000),
+            ] {
+                let found = position_noise(&recorded(sine(frequency_hz), rows, 1.0 / rate_hz, noise_m, 1e-7));
+                let ratio = found / noise_m;
+                assert!((0.85..1.3).contains(&ratio), "{frequency_hz} Hz at {rate_hz} Hz, {noise_m} m: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_corners_of_pushes_and_of_a_triangle_are_no_noise() {
+        for noise_m in [1e-6, 3e-6, 2e-5] {
+            let held = recorded(push_and_hold, 700, 0.01, noise_m, 1e-7);
+            assert_eq!(position_noise(&held), scatter(&held));
+            let triangle = |t: f64| 0.1 - 0.03 * ((1.7 * t).fract() - 0.5).abs();
+            for positions in [held, recorded(triangle, 700, 0.01, noise_m, 1e-7)] {
+                let ratio = position_noise(&positions) / noise_m;
+                assert!((0.85..1.15).contains(&ratio), "{noise_m} m: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn coarse_steps_are_noise_of_their_size() {
+        const STEP_M: f64 = 5e-5;
+        let held = recorded(|t| push_and_hold(t) + 0.4 * STEP_M, 700, 0.01, 4e-6, STEP_M);
+        assert!((position_noise(&held) / (STEP_M / 12.0f64.sqrt()) - 1.0).abs() < 1e-6);
+        // No sine of a whole number of rows: its rounding would be that of few places.
+        for frequency_hz in [0.51, 1.53, 4.97] {
+            let ratio =
+                position_noise(&recorded(sine(frequency_hz), 600, 0.01, 0.0, STEP_M)) / (STEP_M / 12.0f64.sqrt());
+            assert!((0.85..1.4).contains(&ratio), "{frequency_hz} Hz: {ratio}");
+        }
+    }
+
+    #[test]
+    fn noise_that_hides_the_bends_of_a_sine_is_found() {
+        for frequency_hz in [0.5, 5.0] {
+            let ratio = position_noise(&recorded(sine(frequency_hz), 600, 0.01, 1e-3, 1e-6)) / 1e-3;
+            assert!((0.85..1.2).contains(&ratio), "{frequency_hz} Hz: {ratio}");
+        }
+    }
+
+    #[test]
+    fn slow_noise_of_a_piston_that_is_held_is_judged_as_its_second_differences_are() {
+        let mut random = Random::new(5);
+        let slow = (0..700).scan(0.0, |noise, i| {
+            *noise += 0.2 * (1e-5 * random.normal() - *noise);
+            Some(push_and_hold(0.01 * f64::from(i)) + *noise)
+        });
+        let positions: Vec<f64> = slow.collect();
+        assert_eq!(position_noise(&positions), scatter(&positions));
+    }
 
     #[test]
     fn the_mean_of_rounded_readings_is_off_by_no_more_and_not_much_less_than_is_said_of_it() {

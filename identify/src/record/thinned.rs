@@ -98,6 +98,7 @@ impl Rows<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::stroke::Motion;
     use crate::synthetic::Random;
     use std::f64::consts::TAU;
 
@@ -122,6 +123,23 @@ mod tests {
             }
             let ratio = f64::sqrt(off / said);
             assert!((0.2..1.0).contains(&ratio), "{rows} {turns}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_fast_sine_of_few_rows_is_followed_between_them() {
+        for (frequency_hz, row_s, rows) in [(5.0, 0.01, 600), (2.0, 0.02, 300), (1.5, 0.01, 600)] {
+            let stroke = |t: f64| 0.1 - 0.01 * (1.0 - (TAU * frequency_hz * t).cos());
+            let mut random = Random::new(11);
+            let (time, position): (Vec<f64>, Vec<f64>) =
+                (0..rows).map(|i| row_s * f64::from(i)).map(|t| (t, stroke(t) + 3e-6 * random.normal())).unzip();
+            let motion = Motion::detect(&time, &position);
+            let near = Cell::new(0);
+            let off = |t: f64| motion.segments[motion.segment_at(t)].stroke.at(t, &near).0 - stroke(t);
+            // The curve through a record's ends goes on as it can.
+            let times = (40..2 * rows - 40).map(|k| 0.5 * row_s * f64::from(k));
+            let square = times.clone().map(|t| off(t).powi(2)).sum::<f64>() / times.count() as f64;
+            assert!(square.sqrt() < 6e-6, "{frequency_hz} Hz: {}", square.sqrt());
         }
     }
 
