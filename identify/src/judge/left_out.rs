@@ -74,7 +74,7 @@ pub fn by_experiment(data: &Data) -> Vec<Fold> {
 
 /// Records left out whole, all of them judged. One that is not like its repeats has no part to be judged.
 fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
-    let is_out = |k: usize, t: &Prepared| t.readout.unlike_repeats.is_none() && out(k, t);
+    let is_out = |k: usize, t: &Prepared| t.readout.unlike_others.is_none() && out(k, t);
     let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !is_out(k, t)));
     let (selection, judged_from) =
         kept.map(|(t, kept)| if kept { (t.blocks.len(), t.time_s.len()) } else { (0, 0) }).unzip();

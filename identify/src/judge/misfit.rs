@@ -67,6 +67,12 @@ pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     rms(data, &data.traces.iter().zip(residuals).map(|(t, residual)| weighed(data, t, residual)).collect::<Vec<_>>())
 }
 
+/// The same of one record.
+pub fn weighed_rms_of(data: &Data, t: &Prepared, residual: &[f64]) -> f64 {
+    let (sum, rows) = squares(t, &weighed(data, t, residual), 0);
+    (sum / rows.max(1) as f64).sqrt()
+}
+
 /// A record's residual, each row times the root of what it counts.
 fn weighed(data: &Data, t: &Prepared, residual: &[f64]) -> Vec<f64> {
     residual.iter().zip(weights(data, t)).map(|(r, weight)| r * weight.sqrt()).collect()
@@ -74,9 +80,7 @@ fn weighed(data: &Data, t: &Prepared, residual: &[f64]) -> Vec<f64> {
 
 /// Whether a record's residual, weighed like that, is far more than noise: then something is wrong with it, or with the model in it.
 fn is_far_beyond_noise(data: &Data, t: &Prepared, residual: &[f64]) -> bool {
-    let (sum, rows) = squares(t, &weighed(data, t, residual), 0);
-    let most_pa = FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa());
-    sum > most_pa * most_pa * rows as f64
+    weighed_rms_of(data, t, residual) > FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa())
 }
 
 /// The systematic part, Pa.

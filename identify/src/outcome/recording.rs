@@ -12,6 +12,7 @@ use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
 use crate::record::gaps;
 use crate::record::readout::Between;
+use crate::record::repeats;
 use crate::record::saturation;
 use crate::record::unit::Doubt;
 use crate::search::{Found, Verdict};
@@ -188,7 +189,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     }
     out.extend(before_test(data));
     out.extend(opened(data));
-    out.extend(unlike_repeats(data));
+    out.extend(unlike_others(data));
     let saturated = |t: &Prepared| saturation::sentence(&t.path, &t.readout.saturated, &t.lines, &t.time_s);
     out.extend(data.traces.iter().filter_map(saturated));
     out.extend(data.traces.iter().filter_map(|t| gaps::sentence(&t.path, &t.course.motion, &t.lines, &t.time_s)));
@@ -214,12 +215,25 @@ fn opened(data: &Data) -> Option<String> {
     ))
 }
 
-/// Which records are not like their repeats, and from where on.
-fn unlike_repeats(data: &Data) -> Option<String> {
-    let records = records_from(data, |t| t.readout.unlike_repeats.as_ref())?;
-    Some(format!(
-        "the pressure differs from that of the other repeats of the same test by far more than repeats do elsewhere, as where a reading stands still for a while, a position is clipped or the port is opened; the rows from the first move on are left out ({records})"
-    ))
+/// Which records are not like their repeats, or not like all others, and from where on.
+fn unlike_others(data: &Data) -> Vec<String> {
+    const CAUSES: &str = "as where a reading stands still for a while, a gauge's zero steps, a position is clipped or the port is opened; the rows from the first move on are left out";
+    let told = |has_repeats: bool, what: &str, meaning: &str| {
+        let is_one = |t: &Prepared| has_repeats != repeats::of(data, t.experiment).is_empty();
+        let records = records_from(data, |t| t.readout.unlike_others.as_ref().filter(|_| is_one(t)))?;
+        Some(format!("{what}, {CAUSES}{meaning} ({records})"))
+    };
+    let of_repeats = told(
+        true,
+        "the pressure differs from that of the other repeats of the same test by far more than repeats do elsewhere",
+        "",
+    );
+    let of_one = told(
+        false,
+        "the model that describes the other records errs here by far more than noise",
+        ", and effects are not said to explain the others, as no repeat tells whether one of the rig's is seen here alone",
+    );
+    of_repeats.into_iter().chain(of_one).collect()
 }
 
 /// The first few of the records that have such rows, each with where these begin; `None` where none has.

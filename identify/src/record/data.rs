@@ -249,14 +249,24 @@ impl Data {
         self
     }
 
-    /// The same without these records from their first move on: they are not like their repeats.
-    pub fn without_records(mut self, unlike_repeats: &[usize]) -> Self {
+    /// The same without these records from their first move on: they are not like their repeats, or not like all others.
+    pub fn without_records(mut self, unlike_others: &[usize]) -> Self {
         let gamma = self.gas.heat_capacity_ratio;
-        for &k in unlike_repeats {
+        for &k in unlike_others {
             let t = &mut self.traces[k];
             let first_move = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move);
-            t.readout.unlike_repeats = first_move.map(|s| s.first..t.time_s.len());
+            t.readout.unlike_others = first_move.map(|s| s.first..t.time_s.len());
             t.lay_out_and_weigh(gamma, &self.noise);
+        }
+        self
+    }
+
+    /// The same with these records whole again.
+    pub fn with_records_again(mut self, records: &[usize]) -> Self {
+        let gamma = self.gas.heat_capacity_ratio;
+        for &k in records {
+            self.traces[k].readout.unlike_others = None;
+            self.traces[k].lay_out_and_weigh(gamma, &self.noise);
         }
         self
     }

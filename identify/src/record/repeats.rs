@@ -9,7 +9,7 @@ use super::stroke::Phase;
 
 /// The numbers of an experiment's records among all records; without those that are not like the others.
 pub fn of(data: &Data, experiment: usize) -> Vec<usize> {
-    let is_one = |t: &Prepared| t.experiment == experiment && t.readout.unlike_repeats.is_none();
+    let is_one = |t: &Prepared| t.experiment == experiment && t.readout.unlike_others.is_none();
     (0..data.traces.len()).filter(|&k| is_one(&data.traces[k])).collect()
 }
 

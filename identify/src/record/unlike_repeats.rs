@@ -2,7 +2,8 @@
 //!
 //! Repeats of a test show the same gas in the same course, whatever a model lacks: what it leaves of one of them less what it leaves of the
 //! others is free of that. There is noise in it, a zero and a drift of the gauge, and what makes tests differ, such as how warm the
-//! wall was. A record that differs by many times as much, over the range of its pressures, has a fault that no other one has.
+//! wall was. A record that differs by many times as much, over the range of its pressures, has a fault that no other one has. Which of
+//! two repeats has it a model tells that is fitted without both.
 
 use super::data::{Data, Prepared};
 use super::noise::polynomial_residual;
@@ -10,46 +11,90 @@ use super::repeats;
 use super::stroke::Phase;
 use records::extremes;
 
-/// Repeats that tell which of them is unlike the others.
-const FEWEST_REPEATS: usize = 3;
 /// Records that tell how much repeats differ.
 const FEWEST_OTHERS: usize = 4;
 /// A record is unlike its repeats if it differs by so many times as much as others do...
 const TIMES: f64 = 10.0;
 /// ...all but this share of them, which may have faults too.
 const ALL_BUT: f64 = 0.2;
+/// A model that is fitted without two repeats tells which of them is faulty where it errs in that by so many times what it errs in the
+/// other one.
+const FAULTY: f64 = 2.0;
 /// Coefficients of a zero and a drift, which a record may have for itself.
 const ZERO_AND_DRIFT: usize = 2;
 
-/// The records that are unlike their repeats, by what a model leaves of the rows of all, Pa.
+/// How much the records of a test differ from each other.
+struct Test {
+    /// The record that differs most from the others, or both of two.
+    suspects: Vec<usize>,
+    /// By how much that is, over the range of its pressures.
+    differ: f64,
+    /// By how much each of the others differs from the rest of them, or each of two from the other one.
+    usual: Vec<f64>,
+}
+
+/// The records that are unlike their repeats, by what a model leaves of the rows of all, Pa; both of two that are unlike each other.
 pub fn among(data: &Data, residuals: &[Vec<f64>]) -> Vec<usize> {
+    let compared = (0..data.experiments.len()).filter_map(|experiment| compared(data, residuals, experiment));
+    let tests: Vec<Test> = compared.collect();
+    let is_unlike = |(number, test): &(usize, &Test)| {
+        let is_pair = test.suspects.len() > 1;
+        let tell = tests.iter().enumerate().filter(|(other, _)| !is_pair || other != number);
+        let mut usual: Vec<f64> = tell.flat_map(|(_, test)| test.usual.iter().copied()).collect();
+        if usual.len() < FEWEST_OTHERS {
+            return false;
+        }
+        usual.sort_by(f64::total_cmp);
+        let usual = usual[((1.0 - ALL_BUT) * (usual.len() - 1) as f64) as usize];
+        test.differ > TIMES * usual.max(data.noise.total_pa() / range_pa(&data.traces[test.suspects[0]]))
+    };
+    tests.iter().enumerate().filter(is_unlike).flat_map(|(_, test)| test.suspects.iter().copied()).collect()
+}
+
+/// The records of a test beside each other, where there are repeats in the same course.
+fn compared(data: &Data, residuals: &[Vec<f64>], experiment: usize) -> Option<Test> {
     let noise_pa = data.noise.total_pa();
     let differs = |k: usize, from: &[usize]| {
         let by_noise = noise_pa * (1.0 + 1.0 / from.len() as f64).sqrt();
         (differs_by(data, residuals, k, from).powi(2) - by_noise.powi(2)).max(0.0).sqrt() / range_pa(&data.traces[k])
     };
     let without = |of: &[usize], k: usize| of.iter().copied().filter(|other| *other != k).collect::<Vec<usize>>();
-    // Of each test the record that differs most from the others, and how much these differ without it.
-    let (mut suspects, mut usual) = (Vec::new(), Vec::new());
-    for experiment in 0..data.experiments.len() {
-        let own = repeats::of(data, experiment);
-        let traces: Vec<&Prepared> = own.iter().map(|k| &data.traces[*k]).collect();
-        if own.len() < FEWEST_REPEATS || !repeats::are_alike(&traces) {
-            continue;
+    let own = repeats::of(data, experiment);
+    if !repeats::are_alike(&own.iter().map(|k| &data.traces[*k]).collect::<Vec<_>>()) {
+        return None;
+    }
+    if let [one, other] = own[..] {
+        let differ = differs(one, &[other]);
+        return Some(Test { suspects: own, differ, usual: vec![differ; 2] });
+    }
+    let each = own.iter().map(|k| (*k, differs(*k, &without(&own, *k))));
+    let (suspect, differ) = each.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let others = without(&own, suspect);
+    let usual = others.iter().map(|k| differs(*k, &without(&others, *k))).collect();
+    Some(Test { suspects: vec![suspect], differ, usual })
+}
+
+/// Of two repeats that were left out the one that a model fitted without them describes much better than the other one.
+pub fn better_of_pairs(data: &Data, residuals: &[Vec<f64>], unlike: &[usize]) -> Vec<usize> {
+    let of_test = |k: usize| data.traces[k].experiment;
+    let is_pair = |pair: &&[usize]| of_test(pair[0]) == of_test(pair[1]);
+    let pairs = unlike.windows(2).filter(is_pair);
+    let better = pairs.filter_map(|pair| {
+        let [one, other] = [pair[0], pair[1]].map(|k| at_rest_rms(&data.traces[k], &residuals[k]));
+        match () {
+            () if other > FAULTY * one => Some(pair[0]),
+            () if one > FAULTY * other => Some(pair[1]),
+            () => None,
         }
-        let each = own.iter().map(|k| (*k, differs(*k, &without(&own, *k))));
-        let Some(suspect) = each.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let others = without(&own, suspect.0);
-        usual.extend(others.iter().map(|k| differs(*k, &without(&others, *k))));
-        suspects.push(suspect);
-    }
-    if usual.len() < FEWEST_OTHERS {
-        return Vec::new();
-    }
-    usual.sort_by(f64::total_cmp);
-    let usual = usual[((1.0 - ALL_BUT) * (usual.len() - 1) as f64) as usize];
-    let is_unlike = |(k, differs): &(usize, f64)| *differs > TIMES * usual.max(noise_pa / range_pa(&data.traces[*k]));
-    suspects.into_iter().filter(is_unlike).map(|(k, _)| k).collect()
+    });
+    better.collect()
+}
+
+/// Root mean square of what a model leaves of a record in its rests and holds, left out or not, Pa.
+fn at_rest_rms(t: &Prepared, residual: &[f64]) -> f64 {
+    let held = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move);
+    let rows: Vec<f64> = held.flat_map(|s| residual[s.first..s.end].iter().copied()).collect();
+    (rows.iter().map(|r| r * r).sum::<f64>() / rows.len().max(1) as f64).sqrt()
 }
 
 fn range_pa(t: &Prepared) -> f64 {
@@ -67,8 +112,14 @@ fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usiz
         let rows = repeats::data_beside_each_other(&traces, segment);
         let left = |k: usize, i: usize| residuals[all[k]][rows[k][i]];
         let of_others = |i: usize| (1..all.len()).map(|k| left(k, i)).sum::<f64>() / others.len() as f64;
-        differences.extend((0..rows[0].len()).map(|i| left(0, i) - of_others(i)));
-        times.extend(rows[0].iter().map(|row| traces[0].time_s[*row]));
+        // Behind rows that one of them lacks, others stand beside each other.
+        let since_begin = |k: usize, i: usize| traces[k].time_s[rows[k][i]] - traces[k].time_s[rows[k][0]];
+        let is_beside = |i: &usize| {
+            (1..all.len()).all(|k| (since_begin(k, *i) - since_begin(0, *i)).abs() < 0.5 * traces[0].row_s())
+        };
+        let beside: Vec<usize> = (0..rows[0].len()).filter(is_beside).collect();
+        differences.extend(beside.iter().map(|&i| left(0, i) - of_others(i)));
+        times.extend(beside.iter().map(|&i| traces[0].time_s[rows[0][i]]));
     }
     let rest = polynomial_residual(&times, &differences, ZERO_AND_DRIFT);
     (rest.iter().map(|r| r * r).sum::<f64>() / rest.len().max(1) as f64).sqrt()
@@ -98,7 +149,7 @@ mod tests {
     /// The records that are left out of the fit of the paper's model, and what the user is told.
     fn left_out_of(rig: &Rig) -> (Vec<usize>, Vec<String>) {
         let (data, _) = baseline::fitted(Data::prepare(rig).unwrap()).unwrap();
-        let is_left_out = |k: &usize| data.traces[*k].readout.unlike_repeats.is_some();
+        let is_left_out = |k: &usize| data.traces[*k].readout.unlike_others.is_some();
         ((0..data.traces.len()).filter(is_left_out).collect(), left_out(&data))
     }
 
@@ -114,6 +165,19 @@ mod tests {
         let (_, right) = baseline::fitted(Data::prepare(&two).unwrap()).unwrap();
         let lambda0 = |fit: &crate::fit::Fit| fit.chamber().heat_transfer.coefficient;
         assert!((lambda0(&fit) / lambda0(&right) - 1.0).abs() < 1e-3, "{} {}", lambda0(&fit), lambda0(&right));
+    }
+
+    #[test]
+    fn of_two_repeats_the_one_whose_reading_stands_still_is_left_out() {
+        for faulty in 0..2 {
+            let mut two = rig(|t, p, _| *p = if (1.0..2.5).contains(&t) { 4.5e5 } else { *p });
+            two.experiments.iter_mut().for_each(|test| test.traces.truncate(2));
+            two.experiments[1].traces.swap(0, faulty);
+            assert_eq!(left_out_of(&two).0, [2 + faulty]);
+        }
+        let mut two = rig(|_, _, _| ());
+        two.experiments.iter_mut().for_each(|test| test.traces.truncate(2));
+        assert!(left_out_of(&two).0.is_empty());
     }
 
     #[test]

@@ -2,9 +2,12 @@
 
 use super::entry::is_credible;
 use super::{Candidate, Search, distinct, terms};
+use crate::judge::evidence;
 use crate::parameters::{Model, is_timing};
 use crate::policy;
+use chamber::card::Fitted;
 use chamber::effects::{CARDS, EffectSet};
+use rayon::prelude::*;
 
 impl Search {
     /// Tries the sets beside the chosen one that shift or smear the records in time otherwise: within a row a delay and a lag are
@@ -15,6 +18,23 @@ impl Search {
             models.into_iter().filter(|m| !self.tried.iter().any(|c| c.model.has_same_terms(m))).collect();
         let fitted = self.fit_all(&fresh);
         self.keep(fitted);
+    }
+
+    /// Tries the sets next to the chosen one with none of their secondary parameters free, where that has about as much evidence: with a
+    /// number that nothing needs, which the chosen one does not have, they would seem told apart from it.
+    pub(super) fn try_leaner_rivals(&mut self) {
+        let chosen = &self.chosen;
+        let price = |c: &Candidate| {
+            let secondary = |e: usize| CARDS[e].fitted(Fitted::Secondary).count();
+            let freed: usize = c.model.secondary.iter().map(secondary).sum();
+            let bic = |freedom| evidence::of_squares(c.fit.marginal, c.fit.blocks, freedom);
+            bic(freed) - bic(0)
+        };
+        let is_near = |c: &&Candidate| c.delta_bic + price(c) > chosen.delta_bic - policy::INDISTINGUISHABLE;
+        let is_rival = |c: &&Candidate| is_other(&c.model, &chosen.model) && is_near(c);
+        let rivals: Vec<&Candidate> = self.tried.iter().filter(is_rival).collect();
+        let leaner: Vec<Candidate> = rivals.into_par_iter().filter_map(|c| self.no_longer_freed(c)).collect();
+        self.keep(leaner);
     }
 
     /// Whether a set shifts or smears the records in time otherwise than the chosen one, and each of them by less than half a row:
@@ -31,16 +51,19 @@ impl Search {
     /// Sets that the data cannot tell from the chosen one: others of as many terms with about the same evidence or more, whose numbers
     /// can be a rig's.
     pub(super) fn alike(&self) -> Vec<Model> {
-        let chosen = self.chosen.model;
-        let is_other = |m: &Model| m.terms() == chosen.terms() && !m.has_same_terms(&chosen);
         let is_near = |c: &&Candidate| {
             let by = self.chosen.delta_bic - c.delta_bic;
             by < policy::INDISTINGUISHABLE
                 || by < policy::INDISTINGUISHABLE_WITHIN_A_ROW && self.differs_within_a_row(c)
         };
-        let others = self.tried.iter().filter(|c| is_other(&c.model)).filter(is_near);
+        let others = self.tried.iter().filter(|c| is_other(&c.model, &self.chosen.model)).filter(is_near);
         distinct(others.filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none()).map(|c| c.model).collect())
     }
+}
+
+/// Whether a set has as many terms as the chosen one, and others.
+fn is_other(model: &Model, chosen: &Model) -> bool {
+    model.terms() == chosen.terms() && !model.has_same_terms(chosen)
 }
 
 /// How far effects shift or smear the records in time, s.
@@ -66,6 +89,25 @@ mod tests {
         assert_eq!(search.alike(), []);
         search.try_other_timings();
         assert!(search.alike().contains(&single("sensor_lag")), "{:?}", search.alike());
+    }
+
+    #[test]
+    fn a_rival_with_a_number_that_nothing_needs_is_alike_without_it() {
+        let [column, surface, exponent] =
+            ["gas_column_length", "dead_volume_surface", "pressure_exponent"].map(|name| find(name).unwrap().0);
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(surface, 0.3);
+        let mut search = Search::after_first_fit(&recipe.with_strength(exponent, 1.0));
+        let with = |other: usize| Model::with([other, exponent].into_iter().collect());
+        let fitted = |model| fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
+        let freed = Model { secondary: EffectSet::one(exponent), ..with(column) };
+        search.chosen = search.candidate(fitted(with(surface)));
+        search.tried = vec![search.candidate(fitted(freed))];
+        let lean = search.candidate(fitted(with(column))).delta_bic;
+        assert!(lean > search.tried[0].delta_bic && search.tried[0].model.has_same_terms(&with(column)));
+        search.chosen.delta_bic = lean + 0.5 * policy::INDISTINGUISHABLE;
+        assert_eq!(search.alike(), []);
+        search.try_leaner_rivals();
+        assert_eq!(search.alike(), [with(column)]);
     }
 
     #[test]

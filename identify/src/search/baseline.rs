@@ -37,10 +37,14 @@ fn without_unlike_repeats(data: Data) -> Result<(Data, Fit, Vec<Vec<f64>>), Erro
     if unlike.is_empty() {
         return Ok((data, first, residuals));
     }
-    let data = data.without_records(&unlike);
-    let fit = from_scratch(&data)?;
-    let residuals = misfit::residuals(&data, &fit);
-    Ok((data, fit, residuals))
+    let fitted = |data: Data| {
+        let fit = from_scratch(&data)?;
+        let residuals = misfit::residuals(&data, &fit);
+        Ok((data, fit, residuals))
+    };
+    let without = fitted(data.without_records(&unlike))?;
+    let better = unlike_repeats::better_of_pairs(&without.0, &without.2, &unlike);
+    if better.is_empty() { Ok(without) } else { fitted(without.0.with_records_again(&better)) }
 }
 
 /// Whether two noises weigh data alike.

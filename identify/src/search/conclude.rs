@@ -25,6 +25,7 @@ impl Search {
         }
         if verdict != Verdict::Unexplained {
             self.leave_earliness_to_the_records();
+            self.try_leaner_rivals();
         }
         let mut alike = self.alike();
         let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };

@@ -130,7 +130,7 @@ impl Search {
 
     /// The same set with none of its secondary parameters free, where that has about as much evidence: another term has entered for
     /// which one of them stood.
-    fn no_longer_freed(&self, c: &Candidate) -> Option<Candidate> {
+    pub(super) fn no_longer_freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = c.model.with_nothing_freed();
         if model == c.model {
             return None;

@@ -19,6 +19,7 @@ mod contradictions;
 pub(crate) mod curve;
 mod early;
 mod entry;
+mod faulty_record;
 mod fold;
 mod in_gas;
 mod moved;
@@ -138,7 +139,7 @@ impl Found {
 /// # Errors
 /// Where the data contradict the model in a way that has a name: see `judge::sanity`.
 pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
-    let found = in_gas::search(data, progress)?;
+    let found = faulty_record::search(data, progress)?;
     progress("done", 1.0);
     Ok(found)
 }

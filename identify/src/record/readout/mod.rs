@@ -35,8 +35,8 @@ pub struct Readout {
     pub at_gaps: Vec<Range<usize>>,
     /// Rows at the end that are no data since the chamber was opened before: see [`opened_from`](records::opened_from).
     pub opened: Option<Range<usize>>,
-    /// Rows that are no data since the record is not like its repeats.
-    pub unlike_repeats: Option<Range<usize>>,
+    /// Rows that are no data since the record is not like its repeats, or not like all others.
+    pub unlike_others: Option<Range<usize>>,
     /// Rows that are no data since the sensor was at an end of its range.
     pub saturated: Vec<Range<usize>>,
     /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
@@ -52,7 +52,7 @@ impl Readout {
             && self.outliers.binary_search(&row).is_err()
             && !self.is_open(row)
             && !self.is_saturated(row)
-            && !self.unfollowed.iter().chain(&self.at_gaps).chain(&self.unlike_repeats).any(|rows| rows.contains(&row))
+            && !self.unfollowed.iter().chain(&self.at_gaps).chain(&self.unlike_others).any(|rows| rows.contains(&row))
     }
 
     /// Whether a filter settles, or the port is shut, only after a row.

@@ -1,0 +1,134 @@
+//! One record that errs as no other does, left out where the others agree without it.
+//!
+//! A reading that stands still, a step of a gauge's zero or a position that slips makes a model err in one record by many times what
+//! it errs elsewhere. A search with it names what imitates the fault, or takes the fault for noise. All is therefore searched again
+//! without the record that stands out, if there is one. That counts where the others are explained then, and where the model that
+//! does it errs in the record by far more than noise. Without a repeat of the record an effect that is not on the list may be seen in it
+//! alone: then names improve, and do not explain.
+
+use super::{Found, Verdict, in_gas};
+use crate::error::Error;
+use crate::judge::misfit;
+use crate::policy;
+use crate::record::data::Data;
+use crate::record::repeats;
+
+/// Records beside one that tell what a model errs elsewhere.
+const FEWEST_OTHERS: usize = 2;
+/// A record stands out where a model that leaves more than noise errs in it by so many times what it errs in the median of the others...
+const STANDS_OUT: f64 = 1.5;
+/// ...and by so many times where it leaves noise, of which a fault may have become a part.
+const STANDS_OUT_OF_NOISE: f64 = 3.0;
+
+/// Searches, and once more without a record that stands out; what is found there counts where that record is faulty.
+///
+/// # Errors
+/// As [`in_gas::search`].
+pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
+    let prepared = (data.traces.len() > FEWEST_OTHERS).then(|| data.clone());
+    let (weighed, found) = in_gas::search(data, progress)?;
+    let suspect = other_of_pair(&weighed, &found).or_else(|| standing_out(&weighed, &found));
+    let Some((record, data)) = suspect.zip(prepared) else { return Ok((weighed, found)) };
+    let again = |what: &str, share: f64| progress(&format!("{what}, without a record that stands out"), share);
+    let without = in_gas::search(data.without_records(&[record]), &again);
+    let counts = without.ok().filter(|(data, there)| is_faulty(&weighed, data, there, record));
+    Ok(counts.map_or((weighed, found), |(data, mut there)| {
+        let has_repeats = !repeats::of(&data, data.traces[record].experiment).is_empty();
+        if there.verdict == Verdict::Explained && !has_repeats {
+            there.verdict = Verdict::Improved;
+        }
+        (data, there)
+    }))
+}
+
+/// Where more than noise is left without one of two repeats that differ: the other one, which may be the faulty one.
+fn other_of_pair(data: &Data, found: &Found) -> Option<usize> {
+    let out = (0..data.traces.len()).find(|&k| data.traces[k].readout.unlike_others.is_some())?;
+    match repeats::of(data, data.traces[out].experiment)[..] {
+        [other] if !found.adequacy().is_adequate() => Some(other),
+        _ => None,
+    }
+}
+
+/// The record in which what is reported errs most, where that is by far more than in the others.
+fn standing_out(data: &Data, found: &Found) -> Option<usize> {
+    let residuals = misfit::residuals(data, &found.reported().fit);
+    let (in_fit, left_out): (Vec<usize>, Vec<usize>) =
+        (0..data.traces.len()).partition(|&k| data.traces[k].readout.unlike_others.is_none());
+    if in_fit.len() <= FEWEST_OTHERS || !left_out.is_empty() {
+        return None;
+    }
+    let mut errors: Vec<(f64, usize)> =
+        in_fit.into_iter().map(|k| (misfit::weighed_rms_of(data, &data.traces[k], &residuals[k]), k)).collect();
+    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (most_pa, record) = errors.pop()?;
+    let median_pa = errors[errors.len() / 2].0;
+    let times = if found.adequacy().is_adequate() { STANDS_OUT_OF_NOISE } else { STANDS_OUT };
+    (most_pa > times * median_pa || most_pa.is_nan()).then_some(record)
+}
+
+/// Whether what was found without a record leaves the others next to nothing, and errs in that record by far more than noise, with its
+/// rows as they count in the data with it.
+fn is_faulty(whole: &Data, data: &Data, found: &Found, record: usize) -> bool {
+    if !matches!(found.verdict, Verdict::Adequate | Verdict::Explained) {
+        return false;
+    }
+    let residuals = misfit::residuals(data, &found.reported().fit);
+    let error_pa = misfit::weighed_rms_of(whole, &whole.traces[record], &residuals[record]);
+    // No number where the model cannot follow the record.
+    error_pa.is_nan() || error_pa > policy::FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Recipe;
+    use chamber::effects::{EffectSet, NaturalConvection};
+    use records::Rig;
+
+    fn recipe(convection: f64) -> Recipe {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        recipe.with("natural_convection", &[convection])
+    }
+
+    /// The rig of a recipe whose second record is changed: time, s, and pressure, Pa.
+    fn with_a_fault(recipe: &Recipe, fault: impl Fn(f64, &mut f64)) -> Rig {
+        let mut rig = recipe.rig();
+        let trace = &mut rig.experiments[1].traces[0];
+        trace.pressure_pa.as_mut().unwrap().iter_mut().zip(&trace.time_s).for_each(|(p, t)| fault(*t, p));
+        rig
+    }
+
+    fn found_of(rig: &Rig) -> (Vec<usize>, Found) {
+        let (data, found) = search(Data::prepare(rig).unwrap(), &|_, _| ()).unwrap();
+        let is_out = |k: &usize| data.traces[*k].readout.unlike_others.is_some();
+        ((0..data.traces.len()).filter(is_out).collect(), found)
+    }
+
+    #[test]
+    fn a_single_record_with_a_fault_is_left_out_and_the_others_are_described_as_if_there_were_none() {
+        let clean = recipe(0.0);
+        let frozen = with_a_fault(&clean, |t, p| *p = if (1.0..2.5).contains(&t) { 4.5e5 } else { *p });
+        let stepped = with_a_fault(&clean, |t, p| *p += if t > 1.5 { 5e3 } else { 0.0 });
+        let truth = clean.chamber.heat_transfer.coefficient;
+        for rig in [frozen, stepped] {
+            let (out, found) = found_of(&rig);
+            assert_eq!((out, found.verdict), (vec![1], Verdict::Adequate));
+            let lambda0 = found.reported().fit.chamber().heat_transfer.coefficient;
+            assert!((lambda0 / truth - 1.0).abs() < 0.02, "{lambda0} {truth}");
+        }
+    }
+
+    #[test]
+    fn an_effect_beside_a_fault_has_its_name_and_improves_only() {
+        let (out, found) = found_of(&with_a_fault(&recipe(0.4), |t, p| *p += if t > 1.5 { 5e3 } else { 0.0 }));
+        assert_eq!((out, found.verdict), (vec![1], Verdict::Improved));
+        assert_eq!(found.reported().model.of_rig(), EffectSet::one(NaturalConvection::PLACE));
+    }
+
+    #[test]
+    fn without_a_fault_no_record_is_left_out() {
+        let (out, found) = found_of(&recipe(0.4).rig());
+        assert_eq!((out, found.verdict), (vec![], Verdict::Explained));
+    }
+}
