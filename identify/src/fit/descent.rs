@@ -55,8 +55,10 @@ impl Until {
 /// A step that takes less than this share of χ² away leads so little far that the simulations keep their steps: with steps chosen
 /// anew χ² scatters by more than what the last iterations gain.
 const NEAR: f64 = 0.01;
-/// A fit that takes less than this share of its way to the best known one in each of so many iterations in a row stays far behind it:
-/// in all iterations of its descents it would not come there.
+/// A fit with more than so many times the χ² of the best known one is far behind it: no difference in numbers makes up for that...
+const FAR_BEHIND: f64 = 2.0;
+/// ...and stays there if it takes less than this share of its way in each of so many iterations in a row: in all iterations of its
+/// descents it would not come to the best one.
 const CREEPING: (f64, usize) = (0.01, 3);
 /// Dampings that are tried before an iteration is given up.
 const MOST_DAMPINGS: usize = 12;
@@ -141,7 +143,8 @@ pub fn descend(
                 let gain = here.chi2 - trial.chi2;
                 slow_iterations = if gain < settled { slow_iterations + 1 } else { 0 };
                 here.converged = slow_iterations >= until.slow_iterations;
-                creeping = if gain < CREEPING.0 * (here.chi2 - until.best) { creeping + 1 } else { 0 };
+                let creeps = here.chi2 > FAR_BEHIND * until.best && gain < CREEPING.0 * (here.chi2 - until.best);
+                creeping = if creeps { creeping + 1 } else { 0 };
                 here.given_up = creeping >= CREEPING.1;
                 here.at = if gain < NEAR * here.chi2 { Linearised::Near(linear) } else { Linearised::Nowhere };
                 (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
