@@ -93,8 +93,11 @@ pub fn better_of_pairs(data: &Data, residuals: &[Vec<f64>], unlike: &[usize]) ->
 /// Root mean square of what a model leaves of a record in its rests and holds, left out or not, Pa.
 fn at_rest_rms(t: &Prepared, residual: &[f64]) -> f64 {
     let held = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move);
-    let rows: Vec<f64> = held.flat_map(|s| residual[s.first..s.end].iter().copied()).collect();
-    (rows.iter().map(|r| r * r).sum::<f64>() / rows.len().max(1) as f64).sqrt()
+    root_mean_square(&held.flat_map(|s| residual[s.first..s.end].iter().copied()).collect::<Vec<f64>>())
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|r| r * r).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 fn range_pa(t: &Prepared) -> f64 {
@@ -121,8 +124,7 @@ fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usiz
         differences.extend(beside.iter().map(|&i| left(0, i) - of_others(i)));
         times.extend(beside.iter().map(|&i| traces[0].time_s[rows[0][i]]));
     }
-    let rest = polynomial_residual(&times, &differences, ZERO_AND_DRIFT);
-    (rest.iter().map(|r| r * r).sum::<f64>() / rest.len().max(1) as f64).sqrt()
+    root_mean_square(&polynomial_residual(&times, &differences, ZERO_AND_DRIFT))
 }
 
 #[cfg(test)]

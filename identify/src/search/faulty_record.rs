@@ -25,10 +25,11 @@ const STANDS_OUT_OF_NOISE: f64 = 3.0;
 /// # Errors
 /// As [`in_gas::search`].
 pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
-    let prepared = (data.traces.len() > FEWEST_OTHERS).then(|| data.clone());
-    let (weighed, found) = in_gas::search(data, progress)?;
-    let suspect = other_of_pair(&weighed, &found).or_else(|| standing_out(&weighed, &found));
-    let Some((record, data)) = suspect.zip(prepared) else { return Ok((weighed, found)) };
+    if data.traces.len() <= FEWEST_OTHERS {
+        return in_gas::search(data, progress);
+    }
+    let (weighed, found) = in_gas::search(data.clone(), progress)?;
+    let Some(record) = suspect(&weighed, &found) else { return Ok((weighed, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, without a record that stands out"), share);
     let without = in_gas::search(data.without_records(&[record]), &again);
     let counts = without.ok().filter(|(data, there)| is_faulty(&weighed, data, there, record));
@@ -41,10 +42,13 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     }))
 }
 
-/// Where more than noise is left without one of two repeats that differ: the other one, which may be the faulty one.
-fn other_of_pair(data: &Data, found: &Found) -> Option<usize> {
-    let out = (0..data.traces.len()).find(|&k| data.traces[k].readout.unlike_others.is_some())?;
-    match repeats::of(data, data.traces[out].experiment)[..] {
+/// The record that may be faulty, if there is one: that which stands out, or, where one of two repeats that differ was left out and more
+/// than noise is left, the other one.
+fn suspect(data: &Data, found: &Found) -> Option<usize> {
+    let Some(out) = data.traces.iter().find(|t| t.readout.unlike_others.is_some()) else {
+        return standing_out(data, found);
+    };
+    match repeats::of(data, out.experiment)[..] {
         [other] if !found.adequacy().is_adequate() => Some(other),
         _ => None,
     }
@@ -53,13 +57,8 @@ fn other_of_pair(data: &Data, found: &Found) -> Option<usize> {
 /// The record in which what is reported errs most, where that is by far more than in the others.
 fn standing_out(data: &Data, found: &Found) -> Option<usize> {
     let residuals = misfit::residuals(data, &found.reported().fit);
-    let (in_fit, left_out): (Vec<usize>, Vec<usize>) =
-        (0..data.traces.len()).partition(|&k| data.traces[k].readout.unlike_others.is_none());
-    if in_fit.len() <= FEWEST_OTHERS || !left_out.is_empty() {
-        return None;
-    }
-    let mut errors: Vec<(f64, usize)> =
-        in_fit.into_iter().map(|k| (misfit::weighed_rms_of(data, &data.traces[k], &residuals[k]), k)).collect();
+    let each = data.traces.iter().zip(&residuals).enumerate();
+    let mut errors: Vec<(f64, usize)> = each.map(|(k, (t, r))| (misfit::weighed_rms_of(data, t, r), k)).collect();
     errors.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (most_pa, record) = errors.pop()?;
     let median_pa = errors[errors.len() / 2].0;
