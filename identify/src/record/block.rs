@@ -1,7 +1,7 @@
-//! Blocks: means of rows, with what is uncertain of each.
+//! Blocks: means of rows, each with its uncertainties.
 //!
-//! A block is a run of rows short against the relaxation it lies in (a tenth of the time since the last move), so that
-//! its mean is that of two Gauss points of the model; it stands for its rows at a fraction of their cost.
+//! A block is a run of rows that is short compared with the relaxation it lies in (a tenth of the time since the last move), so
+//! that its mean is that of two Gauss points of the model. It represents its rows at a fraction of their cost.
 
 use crate::record::between_rows::{BetweenRows, Look};
 use crate::record::readout::Readout;
@@ -20,7 +20,7 @@ pub struct Block {
     pub end: usize,
     /// Rows in it that are data.
     pub rows: usize,
-    /// Times at which the model's mean over the block is taken, s; equal for a single row.
+    /// Times at which the model is evaluated for its mean over the block, s; equal for a single row.
     pub points_s: [f64; 2],
     /// From half a row before its first reading to half a row after its last one, s; a moment for a single one.
     pub extent_s: [f64; 2],
@@ -30,19 +30,20 @@ pub struct Block {
     pub range_pa: [f64; 2],
     /// How long the readings around it stay within that range, s.
     pub dwell_s: f64,
-    /// Standard deviation of the mean by the position's noise while the piston moves, by what its moving average leaves open, and
-    /// by the times of the rows, Pa.
+    /// Standard deviation at each of these points due to the position noise while the piston moves, to what a moving average of
+    /// the positions hides, and to the uncertain times of the rows, Pa.
     pub by_position_pa: f64,
-    /// The part of that by the positions' noise, by the times of the rows and by the stroke between them, Pa: all that a shift or a
+    /// The part of it due to position noise, to the times of the rows and to the stroke between them, Pa: what a shift or a
     /// low-pass smooths.
     pub by_rows_pa: f64,
-    /// Standard deviation of the mean by the rounding of a held piston's position, Pa: part of what its blocks have in common.
+    /// Standard deviation of the mean due to the rounding of a held piston's position, Pa: part of what its blocks have in
+    /// common.
     pub by_rounding_pa: f64,
-    /// How much the pressure answers a wrong place in the long run, Pa/m.
+    /// Long-run sensitivity of the pressure to a position error, Pa/m.
     pub per_metre: f64,
-    /// Standard deviations that the blocks of a held piston have in common, Pa: by the mean of its measured position, by the
-    /// slope of that, by the time at which the move before it really was over (`held.rs`), and what relaxes: by the place before that
-    /// move, and by the heat of forced convection in it (`stirred.rs`).
+    /// Standard deviations that the blocks of a held piston have in common, Pa: due to the mean of its measured position, to the
+    /// slope of that position, to the time at which the move before really ended (`held.rs`), and the relaxing one: due to the
+    /// position before that move and to the heat of forced convection in it (`stirred.rs`).
     pub common_sd_pa: [f64; IN_COMMON],
     /// What the piston does.
     pub phase: Phase,
@@ -51,25 +52,25 @@ pub struct Block {
 }
 
 impl Block {
-    /// Its middle, s.
+    /// Middle of the block, s.
     pub fn middle_s(&self) -> f64 {
         0.5 * (self.points_s[0] + self.points_s[1])
     }
 
-    /// Variance of its mean by what the positions leave open, Pa². The model of the mean is that of two points, which have two
-    /// positions' noise however many rows there are.
+    /// Variance of the mean due to the uncertain positions, Pa². The model of the mean is that of two points, so it has the noise
+    /// of two positions however many rows there are.
     pub fn variance_by_position(&self) -> f64 {
         self.by_position_pa.powi(2) / positions(self.rows)
     }
 
-    /// The part of that by their noise and by the stroke between their rows.
+    /// The part of it that a shift or a low-pass smooths, Pa².
     pub fn variance_by_rows(&self) -> f64 {
         self.by_rows_pa.powi(2) / positions(self.rows)
     }
 }
 
-/// Standard deviation of the mean of rows whose times are open by so much, s, Pa: the pressure's rate times that, and as much again
-/// for the position that a delay sets beside it, which is another row's.
+/// Standard deviation, Pa, of the mean of rows whose times have the standard deviations `open_s`: the pressure's rate times the
+/// latter, once for the row itself and once for its position, which a delay takes from another row.
 fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64]) -> f64 {
     const BESIDE: usize = 2;
     let off = |&row: &usize| {
@@ -80,12 +81,12 @@ fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64])
     rows.iter().filter_map(off).map(|off| 2.0 * off * off).sum::<f64>().sqrt() / rows.len() as f64
 }
 
-/// Positions that the model of the mean of so many rows is made of.
+/// Number of positions in the model of the mean of this many rows.
 fn positions(rows: usize) -> f64 {
     (rows as f64).min(2.0)
 }
 
-/// The blocks of a record, in time order; `gamma` is the gas's heat capacity ratio.
+/// Returns the blocks of a record in time order; `gamma` is the gas's heat capacity ratio.
 pub fn blocks(
     time_s: &[f64],
     pressure_pa: &[f64],
@@ -98,9 +99,9 @@ pub fn blocks(
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
     const MOVE_PARTS: usize = 60;
-    // Somewhere in these rows of a move it begins or ends: a mean over a corner would not be that of two points.
+    // A move begins or ends somewhere in these rows: the mean over a corner is not that of two points.
     const CORNER_ROWS: usize = 20;
-    // Of a move of many cycles each way counts, and the piston may turn at a corner.
+    // In a move of many cycles, each stroke between turning points is divided separately; the piston may turn at a corner.
     const WAY_PARTS: usize = 20;
     const TURN_ROWS: usize = 3;
     let mut out = Vec::new();
@@ -108,7 +109,7 @@ pub fn blocks(
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.readings.period();
     let unresolved = Unresolved::new(motion, look.window_s);
     let between_rows = BetweenRows::new(motion, look);
-    // Rows around one reading of the position share its error, and count as one.
+    // Rows around one position reading share its error and count as one.
     let of_one_reading = (motion.rows_per_reading as f64).sqrt();
     for (segment, s) in motion.segments.iter().enumerate() {
         let data: Vec<usize> = (s.first..s.end).filter(|&i| readout.is_data(i)).collect();
@@ -144,15 +145,15 @@ pub fn blocks(
             let mean = |v: &[f64]| own.iter().map(|&i| v[i]).sum::<f64>() / n;
             let (t, p) = (mean(time_s), mean(pressure_pa));
             let spread = (own.iter().map(|&i| (time_s[i] - t).powi(2)).sum::<f64>() / n).sqrt();
-            // Pressure answers a wrong position with P/V times the wrong volume, γ times that where it is sudden. The
-            // dead volume, not known yet, is taken for a tenth of the stroke at least.
+            // A position error changes the pressure by P/V times the volume error, by γ times that if it is sudden. The dead
+            // volume is not known yet and taken as a tenth of the stroke.
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
             let moves = s.phase == Phase::Move;
-            // What an average hides is the same over a window, whose rows count as one reading.
+            // What an averaged position hides is the same over a window, whose rows count as one reading.
             let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
             let between_m = between_rows.error_m(t);
             let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_m);
-            // Of a stroke through few knots the noise is that of the mean of many rows, for all rows between two knots the same.
+            // In a stroke with few knots, the noise is that of a mean of many rows, the same for all rows between two knots.
             let in_stroke = positions(own.len()) / n.min(s.rows_in_stroke()).max(positions(own.len()));
             let noise_sd_m = if moves { motion.noise_m * in_stroke.sqrt() } else { 0.0 };
             let by_metre_pa = gamma * per_metre * of_one_reading;

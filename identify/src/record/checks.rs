@@ -1,4 +1,4 @@
-//! Data that cannot be what it should be, found before anything is fitted.
+//! Implausible data, found before anything is fitted.
 
 use crate::error::Error;
 use crate::record::readout::Readout;
@@ -13,17 +13,17 @@ use std::path::Path;
 /// Fewest rows of a trace.
 pub const FEWEST_ROWS: usize = 20;
 
-/// Pressures that a pneumatic chamber can have on the whole, Pa.
+/// Plausible median pressures of a pneumatic chamber, Pa.
 const PLAUSIBLE_PRESSURE_PA: std::ops::RangeInclusive<f64> = 1e3..=1e8;
-/// A piston that goes so many bores away from the chamber's end is that of a rodless cylinder, whose stroke a rig states, or its
-/// positions are in another unit.
+/// A piston this many bores from the chamber's end belongs to a rodless cylinder, whose stroke the rig states, or its positions
+/// are in another unit.
 const LONGEST_STROKE_IN_BORES: f64 = 100.0;
-/// Units that positions are recorded in beside metres, m, ...
+/// Units other than metres that positions are recorded in, m, ...
 const POSITION_UNITS_M: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254)];
-/// ...and how far the piston of a usual cylinder goes, in bores.
+/// ...and how far the piston of a usual cylinder travels, in bores.
 const USUAL_STROKE_IN_BORES: std::ops::RangeInclusive<f64> = 0.3..=30.0;
 
-/// Enough rows?
+/// Checks that the trace has enough rows.
 pub fn rows(trace: &Trace) -> Result<(), Error> {
     if trace.time_s.len() < FEWEST_ROWS {
         return Err(Error::TooFewSamples { trace: trace.path.clone(), rows: trace.time_s.len(), least: FEWEST_ROWS });
@@ -31,7 +31,8 @@ pub fn rows(trace: &Trace) -> Result<(), Error> {
     Ok(())
 }
 
-/// A move, and a pressure that answers it the right way round? Tells which ends of the sensor's range it shows.
+/// Checks that there is a move and that the pressure responds to it with the right sign. Returns the ends of the sensor's range
+/// that the trace shows.
 pub fn trace(
     trace: &Trace,
     pressure_pa: &[f64],
@@ -63,10 +64,10 @@ pub fn trace(
     Ok(ends)
 }
 
-/// Pressures of a trace that no cylinder on a bench has: the unit of their column is wrong.
+/// Rejects pressures that no cylinder on a bench has: the unit of their column is wrong.
 ///
 /// # Errors
-/// [`Error::ImplausiblePressure`] with the units that would make compressed air of them.
+/// [`Error::ImplausiblePressure`] with the units in which they would be those of compressed air.
 pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<(), Error> {
     if pressure_pa.is_empty() {
         return Ok(());
@@ -79,7 +80,7 @@ pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<()
     Ok(())
 }
 
-/// Positions that no cylinder of that bore has, where the rig does not state so long a stroke: their unit is wrong, or the bore's.
+/// Rejects positions that no cylinder of this bore reaches, unless the rig states the stroke: their unit or the bore's is wrong.
 fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
     let (low, high) = extremes(&trace.position_m);
     let (reach_m, bore_m) = (high.max(-low), cylinder.bore_m);
@@ -91,18 +92,18 @@ fn stroke(trace: &Trace, cylinder: &Cylinder) -> Result<(), Error> {
     Err(Error::ImplausibleStroke { trace: trace.path.clone(), reach_m, bore_m, units })
 }
 
-/// Where the piston comes back to a place, the pressure does too: a change by more than what the holds' own slopes make of it,
-/// once the gas has settled, is gas that came or went.
+/// Rejects a trace in which the piston returns to a place but the pressure does not: once the gas has settled, a change beyond
+/// what the holds' own slopes account for is gas that entered or left.
 fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> Result<(), Error> {
-    /// Fewest readings of a rest or hold that is looked at.
+    /// Fewest readings of a rest or hold that is compared.
     const FEWEST: usize = 10;
-    /// Places within this share of the position are the same.
+    /// Positions within this fraction of each other are the same place.
     const SAME_PLACE: f64 = 0.01;
-    /// A change beyond this share, with nothing to be seen in between, is an open port.
+    /// A change beyond this fraction that the drift of the holds does not account for is an open port.
     const OPENED: f64 = 0.05;
     let is_same = |a: f64, b: f64| (b / a - 1.0).abs() < SAME_PLACE;
-    // Readings and position of each rest and hold. A stop shorter than the move before it, such as a point where the piston turns,
-    // has no place: what the gas exchanged in the move has not settled in it. How fast it loses gas may show there all the same.
+    // Readings and position of each rest and hold. A stop shorter than the move before it, such as a turning point, gets no
+    // position: what the gas exchanged in the move has not settled in it. It may still show how fast gas is lost.
     let lasts = |s: &Segment| s.to_s - s.from_s;
     let before = iter::once(None).chain(motion.segments.iter().map(Some));
     let place = |s: &Segment| trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64;
@@ -120,7 +121,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     }
     // In a short hold the readings of a coarse sensor may all be equal although the gas relaxes.
     let step_pa = smallest_change(pressure_pa);
-    // End, position, and the line that the pressure tends to.
+    // End time, position, and the line to which the pressure tends.
     let ends: Vec<(f64, Option<f64>, Line)> = still
         .into_iter()
         .map(|(rows, place)| {
@@ -132,7 +133,7 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
             (end_s, place, line)
         })
         .collect();
-    // Two parts of one hold are no return.
+    // Two parts of one hold are not a return.
     let leaves = |place: Option<f64>, from_s: f64, to_s: f64| {
         let between = trace.time_s.partition_point(|t| *t <= from_s)..trace.time_s.partition_point(|t| *t < to_s);
         place.is_some_and(|place| trace.position_m[between].iter().any(|x| !is_same(place, *x)))
@@ -157,8 +158,8 @@ mod tests {
     use super::*;
     use crate::synthetic::Recipe;
 
-    /// Whether a port seems to be open where the piston is pushed from 0.1 m to 0.05 m and, from 1.0 s on, goes `away` m from there for
-    /// 0.2 s; and the pressure falls by `rate` of it per second while the piston is held there, and by `change` of it meanwhile.
+    /// Whether a port seems to be open if the piston is pushed from 0.1 m to 0.05 m and, from 1.0 s on, goes `away` m from there
+    /// for 0.2 s, while the pressure falls by the fraction `rate` per second in the holds and by `change` between them.
     fn seems_open(away: f64, rate: f64, change: f64) -> bool {
         let goes = |t: f64, from_s: f64, to_s: f64| ((t - from_s) / (to_s - from_s)).clamp(0.0, 1.0);
         let time_s: Vec<f64> = (0..2000).map(|row| 0.001 * f64::from(row)).collect();

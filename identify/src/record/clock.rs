@@ -1,9 +1,9 @@
-//! Rows whose time does not go on: a clock that repeats a stamp or steps back. They are left out and counted.
+//! Rows whose time does not increase: a clock that repeats a stamp or steps back. They are left out and counted.
 
 use records::Trace;
 use std::borrow::Cow;
 
-/// The trace without rows whose time is not after that of all rows before, and their number.
+/// The trace without rows whose time is not later than that of all rows before, and their number.
 pub fn forward_only(trace: &Trace) -> (Cow<'_, Trace>, usize) {
     let mut latest = f64::NEG_INFINITY;
     let goes_on: Vec<bool> = trace

@@ -1,4 +1,4 @@
-//! What a fit sees of a rig: the surroundings' course and block means of the pressure with their noise.
+//! What a fit sees of a rig: the course of the surroundings and block means of the pressure with their noise.
 
 use crate::policy;
 use crate::record::between_rows::Look;
@@ -24,19 +24,19 @@ use std::path::PathBuf;
 pub struct Prepared {
     /// File it came from.
     pub path: PathBuf,
-    /// Which experiment.
+    /// Index of its experiment.
     pub experiment: usize,
-    /// Which repeat of it.
+    /// Its number among the repeats.
     pub repeat: usize,
-    /// Rows left out since their time did not go on.
+    /// Rows left out because their time did not increase.
     pub backward_rows: usize,
-    /// Rows at the beginning, and their time, s, that are left out since a filter settles there or the port was shut only then.
+    /// Number of rows left out at the beginning, and their duration, s: a filter settles there, or the port is not shut yet.
     pub before_test: Option<(usize, f64)>,
-    /// Lines of all rows in the file.
+    /// Line numbers of all rows in the file.
     pub lines: LineNumbers,
-    /// Times of all rows, s: of one that first shows a reading of a sensor with a clock of its own, when that was taken.
+    /// Times of all rows, s; for a row that first shows a reading by the sensor's own clock, the time of the reading.
     pub time_s: Vec<f64>,
-    /// Time from row to row, s, where no row was lost.
+    /// Time between successive rows, s, where no row is lost.
     pub(super) row_s: f64,
     /// Pressures of all rows, Pa.
     pub pressure_pa: Vec<f64>,
@@ -46,7 +46,7 @@ pub struct Prepared {
     pub positions: Positions,
     /// Which rows are data.
     pub readout: Readout,
-    /// Outliers among them that were known before anything was fitted.
+    /// Outliers that were known before anything was fitted.
     pub spikes: Vec<usize>,
     /// Stroke and surroundings.
     pub course: Course,
@@ -54,35 +54,35 @@ pub struct Prepared {
     pub blocks: Vec<Block>,
     /// Makes the blocks' residuals white.
     pub whitener: Whitener,
-    /// Integration error of the model along it, relative to the states: a thousandth of the noise.
+    /// Relative integration error of the model along it: a thousandth of the noise.
     pub relative_tolerance: f64,
-    /// How its readings are taken to look at the recorded stroke, where that leaves its moves uncertain.
+    /// How its readings depend on the recorded stroke, where that leaves its moves uncertain.
     pub look: Look,
-    /// How the pressure of each row answers the heat of forced convection, Pa over the share of a small change of that, where the model has
-    /// it: the rows of a move leave a share open.
+    /// Response of the pressure in each row to the heat of forced convection, Pa per relative change of that heat, where the
+    /// model has it: a fraction is uncertain from the rows of a move.
     pub by_speed_pa: Vec<f64>,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
-    /// First guess of the initial temperature, K: where the record starts in motion it is free.
+    /// First guess of the initial temperature, K; free where the record starts in motion.
     pub initial_temperature_k: f64,
-    /// Whether it shows the temperature of its surroundings.
+    /// Whether it records the temperature of its surroundings.
     pub shows_ambient: bool,
     /// Whether it begins with the piston held.
     pub starts_at_rest: bool,
 }
 
-/// Error of an integration step, of the noise: many of them together stay below a hundredth.
+/// Error of an integration step over the noise: many steps together stay below a hundredth.
 const INTEGRATION_ERROR: f64 = 1e-3;
-/// The smallest and the largest tolerance of the integration, relative to the states.
+/// Smallest and largest relative tolerance of the integration.
 pub(super) const RELATIVE_TOLERANCES: [f64; 2] = [3e-8, 3e-7];
 
 impl Prepared {
-    /// Time from row to row, s, where no row was lost.
+    /// Time between successive rows, s, where no row is lost.
     pub fn row_s(&self) -> f64 {
         self.row_s
     }
 
-    /// Highest pressure of its rows that are data, Pa.
+    /// Highest pressure of its data rows, Pa.
     fn highest_pressure_pa(&self) -> f64 {
         (0..self.pressure_pa.len())
             .filter(|row| self.readout.is_data(*row))
@@ -90,14 +90,14 @@ impl Prepared {
             .fold(0.0, f64::max)
     }
 
-    /// Leaves out what is behind its first gap, if it has one: nothing before tells how warm the gas comes out of it.
+    /// Leaves out what follows its first gap, if it has one: nothing tells the gas temperature there.
     pub fn leave_out_behind_gap(&mut self) {
         if let Some(first) = gaps::of(&self.course.motion).next().map(|gap| gap.first) {
             self.readout.at_gaps.push(first..self.time_s.len());
         }
     }
 
-    /// These rows and those of the spikes, in order.
+    /// These rows and the spikes, in order.
     fn with_spikes(&self, rows: &[usize]) -> Vec<usize> {
         let mut out = [self.spikes.as_slice(), rows].concat();
         out.sort_unstable();
@@ -154,15 +154,15 @@ impl Prepared {
 pub struct Data {
     /// The rig's gas.
     pub gas: Gas,
-    /// How far its heat capacity ratio has been moved from the one that the rig states, in tolerances.
+    /// Change of its heat capacity ratio from the stated one, in tolerances.
     pub gas_moved: f64,
     /// Bore and rod, m, and piston area, m², of the measured chamber.
     pub cylinder: Cylinder,
-    /// Dead volume to begin from, m³.
+    /// First guess of the dead volume, m³.
     pub dead_volume_m3: f64,
-    /// Whether that is known and stays.
+    /// Whether it is known and fixed.
     pub dead_volume_known: bool,
-    /// How far the zero of the positions, which it is counted from, has been moved from the one that the rig states, in tolerances.
+    /// Shift of the positions' zero, from which the dead volume is counted, from the stated one, in tolerances.
     pub zero_moved: f64,
     /// Mean ambient temperature, K.
     pub ambient_temperature_k: f64,
@@ -170,13 +170,13 @@ pub struct Data {
     pub ambient_temperature_assumed: bool,
     /// Ambient pressure, Pa.
     pub ambient_pressure_pa: f64,
-    /// Whether the rig declares its pressures as gauge, so that the ambient pressure has been added to the readings.
+    /// Whether the rig declares gauge pressures, so that the ambient pressure has been added to the readings.
     pub gauge_pressures: bool,
-    /// The declared unit of the pressures, where their column has no scale of its own.
+    /// The declared unit of the pressures, if their column has no scale of its own.
     pub pressure_unit: Option<&'static Unit>,
-    /// What speaks for another one.
+    /// Evidence for another unit.
     pub unit_doubt: Option<Doubt>,
-    /// How often the rig states that the pressure is read, Hz.
+    /// Readout rate of the pressure that the rig states, Hz.
     pub stated_readout_hz: Option<f64>,
     /// Names of the experiments.
     pub experiments: Vec<String>,
@@ -184,21 +184,21 @@ pub struct Data {
     pub traces: Vec<Prepared>,
     /// Noise of the pressure.
     pub noise: Noise,
-    /// What the rig's stated numbers are worth.
+    /// Tolerances of the rig's stated numbers.
     pub tolerance: Tolerance,
-    /// The misfit that nobody minds, Pa, where the rig states one.
+    /// Accuracy asked for, Pa, if the rig states one: a smaller misfit is irrelevant.
     pub accuracy_pa: Option<f64>,
 }
 
 impl Data {
-    /// The same in a gas whose heat capacity ratio is so many tolerances farther from the one that the rig states.
+    /// The same in a gas whose heat capacity ratio is moved by this many more tolerances from the stated one.
     pub fn in_gas_moved(mut self, tolerances: f64) -> Self {
         self.gas.heat_capacity_ratio *= 1.0 + tolerances * self.tolerance.heat_capacity_ratio;
         self.gas_moved += tolerances;
         self
     }
 
-    /// The same with the zero of the positions so many tolerances farther from the one that the rig states: in the known dead volume.
+    /// The same with the positions' zero moved by this many more tolerances from the stated one, by way of the known dead volume.
     pub fn with_zero_moved(mut self, tolerances: f64) -> Self {
         self.dead_volume_m3 += self.cylinder.piston_area_m2 * tolerances * self.tolerance.position_offset_m;
         self.zero_moved += tolerances;
@@ -210,17 +210,17 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.pressure_pa).copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest pressure of all rows that are data, Pa.
+    /// Highest pressure of all data rows, Pa.
     pub fn highest_pressure_pa(&self) -> f64 {
         self.traces.iter().map(Prepared::highest_pressure_pa).fold(0.0, f64::max)
     }
 
-    /// Mean time from row to row of the record where that is shortest, s.
+    /// Shortest mean time between rows of any record, s.
     pub fn shortest_row_s(&self) -> f64 {
         self.traces.iter().map(|t| t.course.motion.row_s()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Some of its records alone, with white noise: what was taken for coloured may be what records differ by.
+    /// Some of its records alone, with white noise only: what seemed coloured may be differences between records.
     pub fn of_records(&self, records: &[usize]) -> Self {
         let noise = Noise { colours: Vec::new(), hum: None, ..self.noise.clone() };
         let traces = records.iter().map(|k| self.traces[*k].clone()).collect();
@@ -236,7 +236,7 @@ impl Data {
         self
     }
 
-    /// The same with these rows of each trace left out as outliers, beside the spikes that were known before.
+    /// The same with these rows of each trace left out as outliers, in addition to the spikes known before.
     pub fn without(mut self, rows: &[Vec<usize>]) -> Self {
         let gamma = self.gas.heat_capacity_ratio;
         for (t, rows) in self.traces.iter_mut().zip(rows) {
@@ -249,7 +249,7 @@ impl Data {
         self
     }
 
-    /// The same without these records from their first move on: they are not like their repeats, or not like all others.
+    /// The same without these records from their first move on, because they are unlike their repeats or all others.
     pub fn without_records(mut self, unlike_others: &[usize]) -> Self {
         let gamma = self.gas.heat_capacity_ratio;
         for &k in unlike_others {
@@ -271,13 +271,13 @@ impl Data {
         self
     }
 
-    /// Whether just these rows of each trace are left out as outliers, beside the spikes that were known before.
+    /// Whether exactly these rows of each trace are left out as outliers, in addition to the spikes known before.
     pub fn is_without(&self, rows: &[Vec<usize>]) -> bool {
         self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
     }
 
-    /// The same where each record's readings look at the stroke in a way that leaves more of it open than was taken so far: an
-    /// average that hides most of its way, or a look between rows where that matters. `None` where the data stay as they are.
+    /// The same where each record's readings leave more of the stroke uncertain than assumed so far: an average that hides most
+    /// of its travel, or readings between rows where that matters. `None` if the data do not change.
     pub fn looked_at(&self, looks: &[Look]) -> Option<Self> {
         let hides = |(t, look): (&Prepared, &Look)| unresolved::hides_moves(&t.course.motion, look.window_s);
         let is_known = self.traces.iter().any(|t| t.look.window_s > 0.0);
@@ -302,8 +302,8 @@ impl Data {
         Some(data)
     }
 
-    /// The same where the pressures of the rows answer the heat of forced convection so much, record by record. `None` where the data stay as
-    /// they are: nobody minds what the rows of the moves leave open by that, or its change.
+    /// The same for these responses of the rows' pressures to the heat of forced convection, record by record. `None` if the data
+    /// do not change: what the rows of the moves leave uncertain by that, or its change, is within the accuracy.
     pub fn stirred(&self, by_speed_pa: Vec<Vec<f64>>) -> Option<Self> {
         if !self.is_stirred() && by_speed_pa.iter().all(Vec::is_empty) {
             return None;
@@ -320,25 +320,26 @@ impl Data {
         Some(data)
     }
 
-    /// Whether what the rows of moves leave open of the heat of forced convection counts.
+    /// Whether the uncertainty of forced convection from the rows of moves counts.
     pub fn is_stirred(&self) -> bool {
         self.traces.iter().any(|t| !t.by_speed_pa.is_empty())
     }
 
-    /// The largest deviation that relaxes with the gas of a hold, Pa.
+    /// Largest standard deviation that relaxes with the gas of a hold, Pa.
     fn relaxing_pa(&self) -> f64 {
         self.traces.iter().flat_map(|t| &t.blocks).map(|b| b.common_sd_pa[RELAXING]).fold(0.0, f64::max)
     }
 
-    /// What the positions leave open of the pressures of the moves' rows, Pa rms: what a lag shows of it later is theirs.
+    /// Rms pressure uncertainty of the moves' rows due to the positions, Pa; what a lag carries into later rows is added to
+    /// theirs.
     pub fn open_pa(&self) -> f64 {
         let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
         let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
         (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
     }
 
-    /// How much of the sum of squares of a true model is expected to be the positions' noise, which its pressures follow,
-    /// and the error of the stroke between their rows.
+    /// Expected part of a true model's sum of squares that is due to the positions' noise, which its pressures follow, and to the
+    /// error of the stroke between their rows.
     pub fn squares_by_rows_of_positions(&self) -> f64 {
         let of_reading = self.noise.white_pa.powi(2) + self.noise.rounding_pa().powi(2);
         let share = |b: &Block| {
@@ -348,13 +349,13 @@ impl Data {
         self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }
 
-    /// The misfit that nobody minds, Pa: what the rig states, else a quarter of the noise, or as much as nobody knows better.
+    /// Accuracy asked for, Pa: as the rig states, else a quarter of the noise, but at least the least white noise.
     pub fn accuracy_pa(&self) -> f64 {
         let of_noise = policy::ACCURACY_OF_NOISE * self.noise.total_pa();
         self.accuracy_pa.unwrap_or(of_noise.max(self.least_noise_pa()))
     }
 
-    /// The range of a record's readings, Pa: the median of the records.
+    /// Range of a record's readings, Pa: the median over the records.
     pub fn pressure_range_pa(&self) -> f64 {
         let range = |t: &Prepared| {
             let readings = t.pressure_pa.iter().enumerate().filter(|(row, _)| t.readout.is_data(*row)).map(|(_, p)| *p);
@@ -369,12 +370,12 @@ impl Data {
         noise::least(self.highest_pressure_pa())
     }
 
-    /// Standard deviation of the times at which rows were read about their stamps, s, where that shows; the rows have their times.
+    /// Standard deviation of the rows' reading times about their stamps, s, if it shows; the rows' times are corrected for it.
     pub fn clock_jitter_s(&self) -> Option<f64> {
         self.traces.iter().flat_map(|t| &t.readout.open_s).copied().reduce(f64::max)
     }
 
-    /// Rows left out as outliers.
+    /// Number of rows left out as outliers.
     pub fn outliers(&self) -> usize {
         self.traces.iter().map(|t| t.readout.outliers.len()).sum()
     }

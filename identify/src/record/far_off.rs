@@ -1,12 +1,12 @@
-//! Readings that are left out as far off, in a sentence that names their lines and times.
+//! Readings left out as far off, in a sentence that gives their lines and times.
 
 use records::LineNumbers;
 use std::path::Path;
 
-/// How many are named.
+/// Most readings that are named.
 const NAMED: usize = 5;
 
-/// What of a record is left out, if anything: `rows`, with the lines of its rows where it is of a file, and their times, s.
+/// States what is left out of a record, if anything: `rows`, with their lines if it comes from a file, and their times, s.
 pub fn sentence(path: &Path, rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
     let readings = match rows.len() {
         0 => return None,
@@ -16,12 +16,12 @@ pub fn sentence(path: &Path, rows: &[usize], lines: &LineNumbers, time_s: &[f64]
     Some(format!("{}: {readings} ({} after the first row)", path.display(), named(rows, lines, time_s)))
 }
 
-/// The first of what a sentence names, and what it says behind them where there are more.
+/// The first few items for a sentence, and its ending if there are more.
 pub fn first_few<T>(all: &[T]) -> (&[T], &'static str) {
     if all.len() > NAMED { (&all[..NAMED], ", …") } else { (all, "") }
 }
 
-/// The first of some rows: their lines, where the record is of a file, and their times from the first row, s.
+/// The first few rows: their lines, if the record comes from a file, and their times from the first row, s.
 pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
     let (named, more) = first_few(rows);
     let times: Vec<String> = named.iter().map(|&row| format!("{:.3} s", time_s[row] - time_s[0])).collect();
@@ -34,7 +34,7 @@ pub fn named(rows: &[usize], lines: &LineNumbers, time_s: &[f64]) -> String {
     }
 }
 
-/// From one row to another: their lines, where the record is of a file, and their times, s.
+/// From one row to another: their lines, if the record comes from a file, and their times, s.
 pub fn from_to([from, to]: [usize; 2], lines: &LineNumbers, time_s: &[f64]) -> String {
     let times = format!("{:.3} s to {:.3} s", time_s[from], time_s[to]);
     match [from, to].map(|row| lines.of(row)) {

@@ -1,24 +1,24 @@
-//! Deviations that the blocks of one rest or hold have in common, Pa, since the piston is not quite where its record says.
+//! Errors that the blocks of one rest or hold have in common, Pa, because the piston is not quite where its record says.
 //!
-//! A place that is off by δ makes the volume wrong by the fraction ε = δ/x, and the pressure by −ε p for as long as the piston
-//! stays there. The step to the wrong place is sudden, so that the gas is also too warm or too cold by (γ−1) ε T, which its walls
-//! take away: −ε p (1 + (γ−1) r), where r falls from one to zero as the hold's own pressure relaxes. The step away from the place
-//! before does the same with r alone.
+//! A position that is off by δ makes the volume wrong by the fraction ε = δ/x, and the pressure by −ε p for as long as the piston
+//! stays there. The step to the wrong position is sudden, so the gas is also too warm or too cold by (γ−1) ε T, which the walls
+//! take away: −ε p (1 + (γ−1) r), where r falls from one to zero as the hold's own pressure relaxes. The step away from the
+//! position before has the same effect with r alone.
 
 use super::block::Block;
 use super::position_noise::{self, rounding_of_mean};
 use super::scatter::scatter;
 use super::stroke::{Motion, Phase, Segment};
 
-/// A relaxation shows above so many times the scatter of the readings; below, a hold tells no r.
+/// A relaxation above this multiple of the readings' scatter shows; with a smaller one, the hold gives no r.
 const SHOWS: f64 = 6.0;
 
-/// Standard deviation of the mean position of a part of the stroke, m.
+/// Standard deviation of the mean position of a segment, m.
 #[derive(Clone, Copy, Debug)]
 struct PlaceError {
-    /// By the noise of its readings.
+    /// Due to the noise of its readings.
     noise_m: f64,
-    /// By the rounding of a held piston's readings, which their mean keeps.
+    /// Due to the rounding of a held piston's readings, which averaging does not remove.
     rounding_m: f64,
 }
 
@@ -28,7 +28,7 @@ impl PlaceError {
     }
 }
 
-/// That of each segment.
+/// Position errors of all segments.
 fn places(position_m: &[f64], motion: &Motion) -> Vec<PlaceError> {
     let step_m = position_noise::step(position_m);
     let of = |s: &Segment| {
@@ -42,7 +42,7 @@ fn places(position_m: &[f64], motion: &Motion) -> Vec<PlaceError> {
     motion.segments.iter().map(of).collect()
 }
 
-/// Gives the blocks of each rest and hold what they have in common.
+/// Sets the errors that the blocks of each rest and hold have in common.
 pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, position_m: &[f64], gamma: f64) {
     let places = places(position_m, motion);
     for (k, segment) in motion.segments.iter().enumerate().filter(|(_, s)| s.phase != Phase::Move) {
@@ -63,7 +63,7 @@ pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, positio
         for (b, (r, rate)) in own.iter_mut().zip(relaxing.into_iter().zip(rates)) {
             let warm_pa = (gamma - 1.0) * r * begin_pa;
             let held = b.per_metre * places[k].sd_m();
-            // The slope of a straight line through the rows of a hold is known to √12/length of its mean.
+            // The slope of a line through a hold's rows has √12/length times the standard deviation of their mean.
             let middle_s = 0.5 * (segment.from_s + segment.to_s);
             let along =
                 12.0f64.sqrt() * (b.middle_s() - middle_s) / (segment.to_s - segment.from_s).max(f64::MIN_POSITIVE);
@@ -74,7 +74,7 @@ pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, positio
     }
 }
 
-/// What is left at each block of a hold of the pressure's way to its end, from one to zero; zeros where that does not show.
+/// Fraction of a hold's pressure change that remains at each block, from one to zero; zeros where the change does not show.
 fn relaxing(own: &[Block], scatter_pa: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (own.first(), own.last()) else { return Vec::new() };
     let way_pa = first.mean_pa - last.mean_pa;
@@ -84,7 +84,7 @@ fn relaxing(own: &[Block], scatter_pa: f64) -> Vec<f64> {
     }
 }
 
-/// How long that takes to fall to 1/e, s.
+/// Time in which that fraction falls to 1/e, s.
 fn time_constant_s(own: &[Block], relaxing: &[f64]) -> f64 {
     let fallen = own.iter().zip(relaxing).find(|(_, r)| **r < (-1.0f64).exp());
     let from_s = own.first().map_or(0.0, |b| b.extent_s[0]);
@@ -110,7 +110,7 @@ mod tests {
     const GAMMA: f64 = 1.4;
     const TIME_CONSTANT_S: f64 = 0.5;
 
-    /// Pressure of a gas that is at rest for 0.5 s, compressed at once from 0.1 m to the place given, and held there, Pa.
+    /// Pressure, Pa, of a gas at rest for 0.5 s, compressed at once from 0.1 m to the given position, and held there.
     fn held_at(place_m: f64, time_s: f64) -> f64 {
         let warm = (0.1 / place_m).powf(GAMMA - 1.0) - 1.0;
         let after = |s: f64| 1e5 * 0.1 / place_m * (1.0 + warm * (-s / TIME_CONSTANT_S).exp());
@@ -124,7 +124,7 @@ mod tests {
         (time_s, position_m, pressure_pa)
     }
 
-    /// The blocks of its rows, where noise of the positions of 0.1 mm is told.
+    /// Blocks of the hold in these rows, with a position noise of 0.1 mm assumed.
     fn shared() -> (Vec<Block>, Motion) {
         let (time_s, position_m, pressure_pa) = rows();
         let mut motion = Motion::detect(&time_s, &position_m);
@@ -135,7 +135,7 @@ mod tests {
         (all.into_iter().filter(|b| b.phase == Phase::Hold).collect(), motion)
     }
 
-    /// Deviation of the mean of a segment's places, m.
+    /// Standard deviation of a segment's mean position, m.
     fn off_m(segment: &Segment) -> f64 {
         1e-4 / ((segment.end - segment.first) as f64).sqrt()
     }
@@ -147,7 +147,7 @@ mod tests {
         assert!(held.len() > 10);
         for b in held {
             let deviation_pa = held_at(0.07, b.middle_s()) - held_at(0.07 + off_m, b.middle_s());
-            // A tenth of the stroke counts as dead volume, which this chamber has not.
+            // A tenth of the stroke counts as dead volume, which this chamber does not have.
             let said_pa = b.common_sd_pa[0] * (0.07 + 0.003) / 0.07;
             assert!((said_pa / deviation_pa - 1.0).abs() < 0.02, "{} s: {said_pa} {deviation_pa}", b.middle_s());
         }
@@ -157,7 +157,7 @@ mod tests {
     fn the_warmth_by_a_wrong_place_before_the_move_deviates_as_is_said_of_it_and_is_gone_in_the_end() {
         let (held, motion) = shared();
         let off_m = off_m(&motion.segments[0]);
-        // Moved from 0.1 m, where its model was told a little more: the same gas, warmer by (γ−1) of the difference.
+        // Moved from 0.1 m, where its model was given slightly more: the same gas, warmer by (γ−1) of the difference.
         let exact_pa = |b: &Block| {
             let warm_pa = 1e5 * (0.1f64 / 0.07).powf(GAMMA) * (GAMMA - 1.0) * off_m / 0.1;
             warm_pa * (-(b.middle_s() - 0.5) / TIME_CONSTANT_S).exp()

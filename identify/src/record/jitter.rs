@@ -1,11 +1,11 @@
-//! When the rows of a record were really read, where the clock of its logger stamps them evenly and reads them unevenly.
+//! When the rows of a record were really read, if the logger stamps them evenly but reads them unevenly.
 //!
-//! A row that is read by δ too late shows a position that is off its smooth course by v δ, and a pressure that is off its own by
-//! Ṗ δ, of the same sign at the same row. How far positions and pressures stand off the cubics through the two rows on either side
-//! of each therefore go together as v Ṗ σ², and tell the jitter's standard deviation σ whatever the noise of either. Where the
-//! piston moves so fast that σ v stands out of the positions' noise, the time of a row is then that at which the smooth course,
-//! a cubic through more rows, passes its position, as far as the positions' noise lets it be told. What a delay or a
-//! low-pass shows of a wrong position later is not the same row's, and remains. Position in m, time in s.
+//! A row read too late by δ shows a position that is off its smooth course by v δ, and a pressure that is off by Ṗ δ, both in the
+//! same row. The distances of positions and pressures from the cubics through the two rows on either side therefore have the
+//! covariance v Ṗ σ², which gives the jitter's standard deviation σ whatever the noise of either. Where the piston moves so fast
+//! that σ v stands out from the positions' noise, the time of a row is taken as that at which the smooth course, a cubic through
+//! more rows, passes its position, as far as the positions' noise lets it be told. What a delay or a low-pass later shows of a
+//! wrong position belongs to another row, and remains. Position in m, time in s.
 
 use crate::record::between_rows::{OF_NOISE, cubic};
 use crate::record::local_cubic::local_cubic;
@@ -16,23 +16,23 @@ use crate::record::scatter::scatter;
 const BESIDE: usize = 2;
 /// Rows on either side of the smooth course.
 const REACHES: [usize; 4] = [3, 5, 8, 12];
-/// The pressures tell a jitter that is so many standard deviations from none.
+/// The pressures show a jitter that is this many standard deviations above zero.
 const DEVIATIONS: f64 = 3.5;
-/// The products of so many rows vary as much as one alone would: how far two neighbours are off has rows in common. 1 + 2 Σ ρ² of the
-/// distances' autocorrelations ρ.
+/// The products of this many rows vary as much as one alone would, since the distances of neighbours have rows in common: 1 + 2 Σ
+/// ρ² of the distances' autocorrelations ρ.
 const ROWS_IN_ONE: f64 = 2.63;
-/// A jitter of a smaller share of the time between two rows is no matter, and of a larger one rows are read in another order.
+/// A jitter below the first fraction of the time between two rows is irrelevant; above the second, rows are read out of order.
 const OF_A_ROW: [f64; 2] = [0.01, 0.4];
-/// The positions show no more than so many times the jitter that they share with the pressures: else they shake by themselves.
+/// Most jitter of the positions, over that which they share with the pressures: above it they shake by themselves.
 const MOST_SHAKEN: f64 = 1.5;
-/// A row farther off than so many standard deviations counts as that far: it may lie at a corner of the stroke.
+/// A row farther off than this many standard deviations counts as this far off: it may lie at a corner of the stroke.
 const MOST_OFF: f64 = 3.0;
-/// Rows at either end of a move that are not looked at.
+/// Rows at either end of a move that are not used.
 const CORNER: usize = 4;
-/// A row's time is mended by this share of the time to the next at the most.
+/// Largest correction of a row's time, as a fraction of the time to the next row.
 const FARTHEST: f64 = 0.45;
 
-/// The columns of a record whose rows are all read: time, s, position, m, and pressure, Pa.
+/// The columns of a record in which every row is a reading: time, s, position, m, and pressure, Pa.
 #[derive(Clone, Copy)]
 pub struct Stamped<'a> {
     pub time_s: &'a [f64],
@@ -40,14 +40,14 @@ pub struct Stamped<'a> {
     pub pressure_pa: &'a [f64],
 }
 
-/// How a row stands to its neighbours.
+/// A row compared with its neighbours.
 struct Row {
     at: usize,
     /// Speed, m/s, and rate of the pressure, Pa/s.
     rates: [f64; 2],
-    /// How far position, m, and pressure, Pa, are off the cubics through the neighbours.
+    /// Distances of position, m, and pressure, Pa, from the cubics through the neighbours.
     off: [f64; 2],
-    /// Noise of both in that distance.
+    /// Noise of both distances.
     noise: [f64; 2],
 }
 
@@ -55,11 +55,11 @@ struct Row {
 pub struct Times {
     /// The times, s, as far as the positions tell them.
     pub time_s: Vec<f64>,
-    /// Standard deviation of the times about those, s: that of the clock in rows that no motion tells of.
+    /// Standard deviation of the true times about those, s: that of the clock in rows without motion.
     pub open_s: Vec<f64>,
 }
 
-/// When the rows of a logger's records were read; `None` where its clock shows no jitter.
+/// When the rows of a logger's records were read; `None` if its clock shows no jitter.
 pub fn mended(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
     let rows: Vec<Vec<Row>> = records.iter().map(rows_in_motion).collect();
     let row_s = records.iter().map(|r| usual_row_s(r.time_s)).min_by(f64::total_cmp)?;
@@ -69,7 +69,7 @@ pub fn mended(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
 }
 
 impl Stamped<'_> {
-    /// When the rows were read: those in motion as they lie about a cubic through so many rows on either side.
+    /// When the rows were read: those in motion by their distance from a cubic through `reach` rows on either side.
     fn times(&self, rows: &[Row], jitter_s: f64, reach: usize) -> Times {
         let mut times = Times { time_s: self.time_s.to_vec(), open_s: vec![jitter_s; self.time_s.len()] };
         for row in rows.iter().filter(|row| self.reaches(row.at, reach)) {
@@ -92,12 +92,12 @@ impl Stamped<'_> {
     }
 }
 
-/// Share that a row has in the cubic through so many rows on either side of it.
+/// Weight of a row in the cubic through this many rows on either side of it.
 fn in_cubic(reach: usize) -> f64 {
     9.0 / (4.0 * (2 * reach + 1) as f64)
 }
 
-/// The rows of a record whose way from one to the next stands out of the noise.
+/// The rows of a record whose travel from row to row stands out from the noise.
 fn rows_in_motion(record: &Stamped<'_>) -> Vec<Row> {
     let &Stamped { time_s, position_m, pressure_pa } = record;
     let noise = [scatter(position_m), scatter(pressure_pa)].map(|of_reading| of_reading * OF_NOISE.sqrt());
@@ -118,7 +118,7 @@ fn rows_in_motion(record: &Stamped<'_>) -> Vec<Row> {
     runs.flat_map(|run| &run[CORNER..run.len() - CORNER]).map(|at| row(*at)).collect()
 }
 
-/// The jitter that positions and pressures have in common, s.
+/// The jitter common to positions and pressures, s.
 fn jitter<'a>(rows: impl Iterator<Item = &'a Row> + Clone, row_s: f64) -> Option<f64> {
     const ROUNDS: usize = 4;
     let mut jitter_s = 0.1 * row_s;
@@ -147,7 +147,7 @@ fn jitter<'a>(rows: impl Iterator<Item = &'a Row> + Clone, row_s: f64) -> Option
     (OF_A_ROW[0] * row_s..OF_A_ROW[1] * row_s).contains(&jitter_s).then_some(jitter_s)
 }
 
-/// The most rows on either side through which a cubic still goes as near to the positions as one through few of them.
+/// Most rows on either side for which a cubic still lies as near to the positions as one through few rows.
 fn smooth_reach(records: &[Stamped<'_>], rows: &[Vec<Row>], jitter_s: f64) -> usize {
     const AS_NEAR: f64 = 1.15;
     let scatter_about = |reach: usize| {
@@ -173,7 +173,7 @@ mod tests {
     use crate::record::data::Data;
     use crate::synthetic::{Random, Recipe};
 
-    /// Rows of a record: those of their stamps, when they were read, positions and pressures of a smooth push.
+    /// Rows of a record: stamps, reading times, positions and pressures of a smooth push.
     struct Record {
         stamps: Vec<f64>,
         read: Vec<f64>,

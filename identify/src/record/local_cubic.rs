@@ -1,8 +1,8 @@
-//! The cubic that fits the rows around a row best, by least squares.
+//! Least-squares cubic through the rows around a row.
 
 use nalgebra::{Matrix4, Vector4};
 
-/// Its value and its slope, by the time in s, at the row `at`, through `reach` rows on either side of that.
+/// Value and slope (per second) at row `at` of the cubic through the `reach` rows on either side of it.
 pub fn local_cubic(time_s: &[f64], values: &[f64], at: usize, reach: usize) -> [f64; 2] {
     let rows = at - reach..at + reach + 1;
     let (around, values) = (&time_s[rows.clone()], &values[rows]);

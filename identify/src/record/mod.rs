@@ -1,4 +1,4 @@
-//! From the rows of a record to what a fit sees: the stroke, the readout, the noise, bad input, block means.
+//! Preparation of a record's rows for a fit: stroke, readout, noise, faulty input, block means.
 
 mod bends;
 pub(crate) mod between_rows;

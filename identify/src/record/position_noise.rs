@@ -1,13 +1,13 @@
-//! The noise of a position's record, m, and the rounding that a mean of its readings keeps.
+//! The noise of recorded positions, m, and the rounding error that a mean of readings keeps.
 
 use super::lattice;
 use super::scatter::{scatter, scatter_about_bends};
 use records::extremes;
 use std::f64::consts::PI;
 
-/// Less is no change of a position, m.
+/// Smaller changes of a position count as none, m.
 pub const NOTHING_M: f64 = 1e-12;
-/// The rounding to a sensor's steps counts as this noise at the most, m.
+/// Most noise that rounding to a sensor's steps counts as, m.
 const COARSEST_M: f64 = 1e-4;
 /// The same where the readings show no steps, and their smallest change is that of the piston.
 const FINEST_M: f64 = 1e-6;
@@ -17,7 +17,7 @@ pub fn step(position_m: &[f64]) -> f64 {
     lattice::of_bends(position_m, NOTHING_M)
 }
 
-/// Standard deviation of the position as it scatters about the stroke, with that of the rounding to its steps as the least.
+/// Standard deviation of the position about the stroke, m, and at least that of rounding to its steps.
 pub fn position_noise(position_m: &[f64]) -> f64 {
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
     let smallest_m = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
@@ -30,8 +30,8 @@ pub fn position_noise(position_m: &[f64]) -> f64 {
     scatter(position_m).max(least)
 }
 
-/// Whether the piston goes on in so many of the rows that its stroke's bends are among the small ones of the record. A window's way
-/// is the share of the whole from which on they can be larger than the noise; what else bends at rest, a filter's noise, is none.
+/// Whether the piston moves in so many rows that its stroke's bends are among the small ones of the record. `WAY` is the fraction
+/// of the travel from which on a window's bends can exceed the noise; other bends at rest, a filter's noise, do not count.
 fn goes_on(position_m: &[f64]) -> bool {
     const ROWS: usize = 13;
     const WAY: f64 = 0.01;
@@ -42,10 +42,10 @@ fn goes_on(position_m: &[f64]) -> bool {
     far as f64 > SHARE * all as f64
 }
 
-/// Standard deviation that rounding to a sensor's steps leaves of the mean of so many readings of one place, m, however many they are.
+/// Standard deviation that rounding to a sensor's steps leaves in the mean of any number of readings of one place, m.
 ///
-/// Noise σ moves the readings from step to step, and of the rounding's variance step²/12 the mean keeps
-/// step²/(2π²) Σ exp(−4π²k²σ²/step²)/k², which is nothing from half a step of noise on. σ is such that the rest of both is the
+/// Noise σ moves the readings from step to step, and of the rounding's variance step²/12 the mean keeps step²/(2π²) Σ
+/// exp(−4π²k²σ²/step²)/k², which is nothing from half a step of noise on. σ is such that the rest of both variances is the
 /// readings' own scatter. Source: B. Widrow and I. Kollár, Quantization Noise (2008), chapter 4.
 pub fn rounding_of_mean(readings_m: &[f64], step_m: f64) -> f64 {
     if step_m == 0.0 {
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::synthetic::Random;
 
-    /// Positions of that stroke, m, at so many rows, as far apart as is said in s, with that noise, m, and rounded to those steps, m.
+    /// Positions, m, of this stroke at `n` rows `row_s` apart, with this noise, m, and rounded to these steps, m.
     fn recorded(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64, step_m: f64) -> Vec<f64> {
         let mut random = Random::new(12);
         let places = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
@@ -83,7 +83,7 @@ mod tests {
         move |t: f64| 0.1 - 0.01 * (1.0 - (2.0 * PI * frequency_hz * t).cos())
     }
 
-    /// 50 mm in 0.13 s from 1.013 s on and back from 4.017 s on, at an even speed.
+    /// 50 mm in 0.13 s from 1.013 s on and back from 4.017 s on, at constant speed.
     fn push_and_hold(t: f64) -> f64 {
         let way = |begin: f64| ((t - begin) / 0.13).clamp(0.0, 1.0);
         0.1 - 0.05 * (way(1.013) - way(4.017))
@@ -127,7 +127,7 @@ mod tests {
         const STEP_M: f64 = 5e-5;
         let held = recorded(|t| push_and_hold(t) + 0.4 * STEP_M, 700, 0.01, 4e-6, STEP_M);
         assert!((position_noise(&held) / (STEP_M / 12.0f64.sqrt()) - 1.0).abs() < 1e-6);
-        // No sine of a whole number of rows: its rounding would be that of few places.
+        // No sine with a period of whole rows: its rounding would be that of few positions.
         for frequency_hz in [0.51, 1.53, 4.97] {
             let ratio =
                 position_noise(&recorded(sine(frequency_hz), 600, 0.01, 0.0, STEP_M)) / (STEP_M / 12.0f64.sqrt());

@@ -1,4 +1,4 @@
-//! From a rig's traces to what a fit sees of them.
+//! Prepares a rig's traces for a fit.
 
 use crate::error::Error;
 use crate::record::between_rows::Look;
@@ -30,14 +30,14 @@ impl Data {
     /// Prepares the traces of a rig.
     ///
     /// # Errors
-    /// Where the data cannot be what it should be: [`Error`] names it with the number that gives it away.
+    /// Where the data are implausible: [`Error`] names the reason with the number that shows it.
     pub fn prepare(rig: &Rig) -> Result<Self, Error> {
         let data = Self::of_rows(rig)?;
         let begin_s = |t: &Prepared| (t.readout.starting > 0).then(|| t.time_s[t.readout.starting]);
         if data.traces.iter().all(|t| begin_s(t).is_none()) {
             return Ok(data);
         }
-        // A test begins with its first row that is data: nobody knows what flowed before.
+        // A test begins with its first row that is data: what flowed before is unknown.
         let mut rig = rig.clone();
         let traces = rig.experiments.iter_mut().flat_map(|experiment| &mut experiment.traces);
         for (trace, begin_s) in traces.zip(data.traces.iter().map(begin_s)) {
@@ -52,7 +52,7 @@ impl Data {
         Ok(of_tests)
     }
 
-    /// The same of all rows of the traces.
+    /// The same from all rows of the traces.
     fn of_rows(rig: &Rig) -> Result<Self, Error> {
         let mended = Mended::all(rig);
         let mut columns = Vec::with_capacity(mended.len());
@@ -122,7 +122,7 @@ impl Data {
     }
 }
 
-/// A trace whose time goes on, its positions linear between those that were read.
+/// A trace with increasing times, its positions linear between those that were read.
 struct Mended<'a> {
     trace: Cow<'a, Trace>,
     experiment: usize,
@@ -134,7 +134,7 @@ struct Mended<'a> {
 }
 
 impl<'a> Mended<'a> {
-    /// Those of a rig, whose sensor of the position is read alike in all of them, with the times at which its rows were read.
+    /// Those of a rig, whose position sensor is read alike in all of them, with the times at which the rows were read.
     fn all(rig: &'a Rig) -> Vec<Self> {
         let traces = rig.experiments.iter().enumerate().flat_map(|(e, experiment)| {
             let of_trace = move |(r, trace)| (e, r, clock::forward_only(trace));
@@ -162,7 +162,7 @@ impl<'a> Mended<'a> {
         mended
     }
 
-    /// Its columns, where each row was read.
+    /// Its columns, if each row was read.
     fn stamped(&self) -> Option<Stamped<'_>> {
         let Trace { time_s, position_m, pressure_pa, .. } = &*self.trace;
         let pressure_pa = pressure_pa.as_deref().filter(|_| self.positions.between == Between::Nothing)?;
@@ -170,7 +170,7 @@ impl<'a> Mended<'a> {
     }
 }
 
-/// What is read of a trace before the noise of all of them is known.
+/// What is read from a trace before the noise of all traces is known.
 struct Columns<'a> {
     trace: &'a Trace,
     experiment: usize,
@@ -185,7 +185,7 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Of a trace as if each of its rows were read.
+    /// Treats each row of a trace as a reading.
     fn of(mended: &'a Mended<'_>) -> Result<Self, Error> {
         let &Mended { ref trace, experiment, repeat, backward_rows, ref positions, .. } = mended;
         let pressure_pa =
@@ -198,8 +198,8 @@ impl<'a> Columns<'a> {
         Ok(Self { trace, experiment, repeat, backward_rows, positions, pressure_pa, time_s, row_s, motion, readout })
     }
 
-    /// Takes the readings, and sets each that was not taken right at a row to its own time. The stroke goes through the rows' times
-    /// already, which are not those of positions that come in the same messages.
+    /// Takes the readings, and moves each that was not taken right at a row to its own time. The stroke already uses the rows'
+    /// times, which are wrong for positions that come in the same messages.
     fn take(&mut self, readings: Readings) {
         if let Some((time_s, pressure_pa)) = readings.at_their_times(&self.time_s, &self.pressure_pa) {
             (self.time_s, self.pressure_pa) = (time_s, Cow::Owned(pressure_pa));
@@ -216,8 +216,8 @@ impl<'a> Columns<'a> {
         Quiet { time_s, pressure_pa, motion, readout }
     }
 
-    /// Rows at the beginning before a filter has settled, or the port is shut, where the piston rests there. `noise_pa`: standard
-    /// deviation of a reading, Pa.
+    /// Number of rows at the beginning before a filter has settled, or the port is shut, if the piston rests there. `noise_pa`:
+    /// standard deviation of a reading, Pa.
     fn starting(&self, noise_pa: f64) -> usize {
         let Some(rest) = self.motion.segments.first().filter(|s| s.phase == Phase::Rest) else { return 0 };
         let (rows, [times_s, pressures_pa]) = self.data_of(rest.first..rest.end);
@@ -226,9 +226,10 @@ impl<'a> Columns<'a> {
         settled.max(shut_from(&times_s, &pressures_pa, noise_pa).map_or(0, |first| rows[first]))
     }
 
-    /// Rows whose pressure stands out of both neighbours, but where the piston stops or turns: there the pressure itself has a corner.
+    /// Rows whose pressure stands out from both neighbours, except where the piston stops or turns: there the pressure has a
+    /// corner.
     fn spikes(&self, noise_pa: f64) -> Vec<usize> {
-        /// Rows between the pressure's corner and the piston's, at the most.
+        /// Most rows between the pressure's corner and the piston's.
         const BESIDE: usize = 1;
         let impossible = &self.readout.outliers;
         let mut found = outliers::spikes(&self.pressure_pa, &self.readout, noise_pa);
@@ -245,14 +246,14 @@ impl<'a> Columns<'a> {
         found
     }
 
-    /// Rows at the end since the chamber was opened, where the piston is held there.
+    /// Rows at the end from the opening of the chamber on, if the piston is held there.
     fn opened(&self, noise_pa: f64) -> Option<Range<usize>> {
         let hold = self.motion.segments.last().filter(|s| s.phase == Phase::Hold)?;
         let (rows, [times_s, pressures_pa]) = self.data_of(hold.first..hold.end);
         opened_from(&times_s, &pressures_pa, noise_pa).map(|first| rows[first]..self.time_s.len())
     }
 
-    /// Those of some rows that are data, with their times, s, and pressures, Pa.
+    /// The data rows among these, with their times, s, and pressures, Pa.
     fn data_of(&self, rows: Range<usize>) -> (Vec<usize>, [Vec<f64>; 2]) {
         let rows: Vec<usize> = rows.filter(|&i| self.readout.is_data(i)).collect();
         let columns = [&self.time_s[..], &self.pressure_pa[..]];
@@ -300,11 +301,10 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// Leaves out the rows in which the sensor of a rig is at one of these ends of its range: a stroke without pressures is followed all the
-/// same.
+/// Leaves out the rows in which the rig's sensor is at one of these ends of its range; the stroke is still followed there.
 ///
 /// # Errors
-/// Where no record shows the whole of its test, or too few rows of one are left.
+/// Where no record shows the whole of its test, or too few rows of a record are left.
 fn leave_out_saturated(columns: &mut [Columns<'_>], ends: Vec<End>) -> Result<(), Error> {
     let ends_pa: Vec<f64> = ends.iter().map(|end| end.value_pa).collect();
     let Some(first) = ends.into_iter().next() else { return Ok(()) };
@@ -317,8 +317,8 @@ fn leave_out_saturated(columns: &mut [Columns<'_>], ends: Vec<End>) -> Result<()
     if is_usable { Ok(()) } else { Err(first.error) }
 }
 
-/// Ambient temperature over time: its mean where its changes are no more than its noise, a straight line where that is
-/// all there is, else a curve through means of eighths.
+/// Ambient temperature over time: its mean where its changes do not exceed its noise, a straight line where that suffices, else a
+/// curve through means of eighths.
 fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>) -> Spline {
     let constant = |value: f64| Spline::through(vec![0.0], vec![value], [None, None]);
     let Some(column) = trace.ambient_temperature_k.as_ref() else {
@@ -330,7 +330,7 @@ fn ambient(trace: &Trace, time_s: &[f64], stated: Option<f64>) -> Spline {
     smooth(time_s, column, 8)
 }
 
-/// A noisy column that changes slowly: a constant, a straight line, or a curve through the means of so many parts.
+/// Smooths a noisy column that changes slowly: a constant, a straight line, or a curve through the means of `parts` parts.
 fn smooth(time_s: &[f64], column: &[f64], parts: usize) -> Spline {
     let n = column.len();
     let mean = column.iter().sum::<f64>() / n as f64;
@@ -353,7 +353,7 @@ fn smooth(time_s: &[f64], column: &[f64], parts: usize) -> Spline {
     if within(&|t| line.at(t)) {
         return Spline::line(ends, ends.map(|t| line.at(t)));
     }
-    // On to the ends along the chords of the first and last two means.
+    // Extended to the ends along the chords of the first and last two means.
     let beyond = |t: f64, a: [f64; 2], b: [f64; 2]| [t, a[1] + (b[1] - a[1]) * (t - a[0]) / (b[0] - a[0])];
     let last = means.len() - 1;
     let first = beyond(ends[0], means[0], means[1]);
@@ -366,7 +366,7 @@ fn smooth(time_s: &[f64], column: &[f64], parts: usize) -> Spline {
 fn initial_pressure(pressure_pa: &[f64], motion: &Motion, readout: &Readout) -> f64 {
     let first = &motion.segments[0];
     let rows = match (first.phase, first.end) {
-        // The last rows of the rest may already belong to the move's gentle begin.
+        // The last rows of the rest may already belong to the move's gentle start.
         (Phase::Rest, end) if end > 8 => end - 2,
         (Phase::Rest, end) => end,
         _ => pressure_pa.len().min(5),
@@ -384,7 +384,7 @@ mod tests {
 
     #[test]
     fn pressures_and_positions_of_one_message_in_few_rows_were_read_together() {
-        // In so many fine rows comes a message, and a row of the record.
+        // Fine rows per message and per row of the record.
         const MESSAGE: usize = 37;
         const ROW: usize = 10;
         let mut rig = Recipe { repeats: 1, rate_hz: 5000.0, ..Recipe::from_seed(5) }.rig();

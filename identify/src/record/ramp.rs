@@ -3,13 +3,13 @@
 //! The corners of a ramp lie between two rows of a record; a smooth curve through the rows rounds them off, and a
 //! lagging or delayed sensor sees the difference. Position in m, time in s.
 
-/// Least number of rows that tell a straight line from a curve.
+/// Fewest rows that distinguish a straight line from a curve.
 const FEWEST_ROWS: usize = 3;
-/// How far a row may lie off the ramp, in standard deviations of the position and as a share of the stroke.
+/// Largest distance of a row from the ramp, in standard deviations of the position and as a fraction of the stroke.
 const DEVIATIONS: f64 = 6.0;
 const SHARE: f64 = 1e-5;
 
-/// Begin and end of the ramp from `before` to `after` that every row of a move lies on, if there is one.
+/// Begin and end, s, of the ramp from `before` to `after` on which every row of a move lies, if there is one.
 pub fn corners(time_s: &[f64], position_m: &[f64], before: f64, after: f64, noise_m: f64) -> Option<[f64; 2]> {
     let span = after - before;
     let inside: Vec<(f64, f64)> = time_s

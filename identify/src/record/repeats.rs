@@ -1,25 +1,25 @@
-//! Repeats of one experiment, row beside row.
+//! Repeats of one experiment, aligned row by row.
 //!
-//! Rests stand beside each other from their ends. Holds do so by the time since the piston had gone half of its way there: how many
-//! rows count as the end of a move is a matter of the positions' noise where the piston creeps to its place, or its sensor does,
-//! and a relaxation beside a later part of itself would pass for noise of the pressures.
+//! Rests are aligned at their ends. Holds are aligned by the time since the piston had completed half of its travel: where the
+//! piston or its sensor creeps to its place, the number of rows that count as the end of a move depends on the positions' noise,
+//! and a relaxation compared with a later part of itself would look like pressure noise.
 
 use super::data::{Data, Prepared};
 use super::stroke::Phase;
 
-/// The numbers of an experiment's records among all records; without those that are not like the others.
+/// Indices of an experiment's records among all records, without those unlike the others.
 pub fn of(data: &Data, experiment: usize) -> Vec<usize> {
     let is_one = |t: &Prepared| t.experiment == experiment && t.readout.unlike_others.is_none();
     (0..data.traces.len()).filter(|&k| is_one(&data.traces[k])).collect()
 }
 
-/// Whether these records, at least two, have the same segments one after the other.
+/// Whether these records, at least two, have the same sequence of segments.
 pub fn are_alike(traces: &[&Prepared]) -> bool {
     let phases = |t: &Prepared| t.course.motion.segments.iter().map(|s| s.phase).collect::<Vec<_>>();
     traces.len() > 1 && traces.iter().all(|t| phases(t) == phases(traces[0]))
 }
 
-/// The rows of a segment of alike records that are data and stand beside each other, equally many of each.
+/// The data rows of a segment of alike records, aligned, the same number of each.
 pub fn data_beside_each_other(traces: &[&Prepared], segment: usize) -> Vec<Vec<usize>> {
     let rows = |t: &&Prepared| -> Vec<usize> {
         let own = &t.course.motion.segments[segment];
@@ -28,8 +28,7 @@ pub fn data_beside_each_other(traces: &[&Prepared], segment: usize) -> Vec<Vec<u
     beside_each_other(traces, segment, &traces.iter().map(rows).collect::<Vec<_>>())
 }
 
-/// The rows of a segment of alike records that stand beside each other, equally many of each; `rows` are those that each of them
-/// has there, in order.
+/// The aligned rows of a segment of alike records, the same number of each, chosen from `rows`, those of each record in order.
 pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let is_rest = traces[0].course.motion.segments[segment].phase == Phase::Rest;
     let shortest = |rows: &[Vec<usize>]| rows.iter().map(Vec::len).min().unwrap_or(0);
@@ -44,13 +43,13 @@ pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize
         let from = |(half, own): (usize, &Vec<usize>)| own.iter().copied().filter(|i| *i >= half + begin).collect();
         Some(halves.into_iter().zip(rows).map(from).collect::<Vec<Vec<usize>>>())
     });
-    // A hold most of which counts as a move in another repeat is compared from its start.
+    // A hold of which another repeat counts most as a move is compared from its start.
     let kept = latest.filter(|kept| 2 * shortest(kept) >= length).unwrap_or_else(|| rows.to_vec());
     let length = shortest(&kept);
     kept.into_iter().map(|own| own[..length].to_vec()).collect()
 }
 
-/// The row at which half of the way is gone in the move before a segment, if there is one.
+/// The row at which half of the travel is completed in the move before a segment, if there is one.
 fn half_of_the_move_before(t: &Prepared, segment: usize) -> Option<usize> {
     let before = &t.course.motion.segments[segment.checked_sub(1)?];
     if before.phase != Phase::Move {
@@ -86,7 +85,7 @@ mod tests {
         let beside = beside_each_other(&traces, 2, &[hold(0), hold(1)]);
         assert_eq!([beside[0].len(), beside[1].len()], [hold(1).len(); 2]);
         assert!(beside[0].iter().zip(&beside[1]).all(|(a, b)| a - half == b - other));
-        // Of a hold that ends before the other begins nothing would be left.
+        // Of a hold that ends before the other begins, nothing would be left.
         let short = hold(0)[..30].to_vec();
         assert_eq!(beside_each_other(&traces, 2, &[short.clone(), hold(1)]), [short, hold(1)[..30].to_vec()]);
     }

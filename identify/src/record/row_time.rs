@@ -2,9 +2,9 @@
 
 use records::median;
 
-/// Time from row to row, s, where no row was lost.
+/// Mean time between successive rows, s, where no row is lost.
 pub fn usual_row_s(time_s: &[f64]) -> f64 {
-    /// A step so many times as long as the median one has lost a row, and one that only the clock makes longer has not.
+    /// A step of this multiple of the median one or more has lost a row; one that only the clock lengthens has not.
     const LOST: f64 = 1.5;
     let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     if steps.is_empty() {

@@ -1,9 +1,9 @@
 //! Pressures at an end of the sensor's range: the readings stay there, whatever the gas does.
 //!
-//! A run of readings equal to the record's extreme gives it away while the piston moves, or in a record whose noise moves every row.
-//! Where noise does not move the readings, gas in equilibrium gives equal ones too, and those of a late sensor go on into the move:
-//! then such a run lasts from the start of a move for longer than that. Nor need a coarse sensor show the end of a move in which the
-//! pressure changes by less than a step.
+//! The sign is a run of readings equal to the record's extreme while the piston moves, or in a record whose noise moves every
+//! row. Where noise does not move the readings, gas in equilibrium gives equal ones too, and those of a late sensor continue into
+//! the move: then the run must last, from the start of a move, for longer than that move. Nor need a coarse sensor show the end
+//! of a move in which the pressure changes by less than a step.
 
 use crate::error::Error;
 use crate::record::far_off::{first_few, from_to};
@@ -15,27 +15,27 @@ use records::{LineNumbers, Trace, extremes, turned_back};
 use std::ops::Range;
 use std::path::Path;
 
-/// A move of less than this share of the travel may leave a coarse sensor where it is.
+/// A move of less than this fraction of the travel may leave a coarse sensor unchanged.
 const SHORT_MOVE: f64 = 0.05;
-/// So may a part of a move that is less than this share of its way.
+/// So may a part of a move with less than this fraction of its travel.
 const SHORT_PART: f64 = 0.1;
-/// A run of equal extreme readings this long is a sensor at the end of its range...
+/// A run of this many equal extreme readings means a sensor at the end of its range...
 const LONGEST_HONEST_RUN: usize = 5;
-/// ...if the noise moves its readings: one of less than so many steps may leave them where they are.
+/// ...if the noise moves its readings: noise of less than this many steps may leave them unchanged.
 const STEPS_OF_NOISE: f64 = 0.6;
-/// Share of the changes from reading to reading that turn back from which on noise makes them: white noise turns
-/// two of three back, and a gas none between two moves.
+/// Fraction of the changes between readings that turn back, above which noise makes them: white noise turns back two of three,
+/// and a gas none between two moves.
 const TURNED_BACK: f64 = 0.05;
-/// A run in a hold, so many times as long as in a move, tells of an end too...
+/// A run in a hold, longer than in a move by this factor, is a sign too...
 const IN_HOLD: usize = 2;
-/// ...if no more than this share of all readings equals the one before.
+/// ...if no more than this fraction of all readings equals the one before.
 const FEW_EQUAL: f64 = 0.2;
 
 /// An end of the sensor's range.
 pub struct End {
-    /// What it reads there, Pa.
+    /// Its reading there, Pa.
     pub value_pa: f64,
-    /// What the record that shows it is refused with where no other is left.
+    /// Error with which the record that shows it is refused if no other is left.
     pub error: Error,
 }
 
@@ -62,7 +62,7 @@ pub fn rows_at(ends_pa: &[f64], pressure_pa: &[f64]) -> Vec<Range<usize>> {
     ends_pa.iter().flat_map(|end_pa| stretches(pressure_pa, *end_pa)).collect()
 }
 
-/// Whether a run of equal readings, of all `rows` that were read, is too long for a sensor within its range.
+/// Whether a run of equal readings, out of all `rows` that were read, is too long for a sensor within its range.
 fn is_saturated(
     trace: &Trace,
     pressure_pa: &[f64],
@@ -97,8 +97,7 @@ fn is_saturated(
     run.len() >= LONGEST_HONEST_RUN && (in_a_move || in_a_hold)
 }
 
-/// By how much a pressure changes while the piston is at these places, Pa: of gas that stays as warm as it is, in a chamber without a
-/// dead volume.
+/// Change of a pressure while the piston is at these positions, Pa: isothermal, in a chamber without dead volume.
 fn change_pa(pressure_pa: f64, position_m: &[f64]) -> f64 {
     let (low, high) = extremes(position_m);
     if low > 0.0 { pressure_pa * (1.0 - low / high) } else { f64::INFINITY }
@@ -109,7 +108,7 @@ fn readings_stick(pressure_pa: &[f64], step_pa: f64) -> bool {
     scatter(pressure_pa) < STEPS_OF_NOISE * step_pa
 }
 
-/// The longest run of that value.
+/// The longest run of the value `of`.
 fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
     let (mut best, mut length) = (0..0, 0);
     for (k, &i) in rows.iter().enumerate() {
@@ -121,8 +120,8 @@ fn longest_run<'a>(rows: &'a [usize], values: &[f64], of: f64) -> &'a [usize] {
     &rows[best]
 }
 
-/// From the first to the last row of that value, wherever few others lie between: noise takes readings off an end of the range and
-/// back. A single one need not be at the end.
+/// Ranges from the first to the last row of that value, including gaps of a few rows: noise takes readings off an end of the
+/// range and back. A single row is not necessarily at the end.
 fn stretches(values: &[f64], of: f64) -> Vec<Range<usize>> {
     let mut out: Vec<Range<usize>> = Vec::new();
     for k in (0..values.len()).filter(|&k| values[k] == of) {
@@ -135,7 +134,7 @@ fn stretches(values: &[f64], of: f64) -> Vec<Range<usize>> {
     out
 }
 
-/// What of a record is left out since its sensor was at an end of its range, if anything: these rows, in a sentence that names their
+/// Names in a sentence the rows of a record that are left out because its sensor was at an end of its range, if any, with their
 /// lines and seconds.
 pub fn sentence(path: &Path, rows: &[Range<usize>], lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
     let stretch = |rows: &Range<usize>| from_to([rows.start, rows.end - 1], lines, time_s);

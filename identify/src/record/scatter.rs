@@ -1,10 +1,10 @@
 //! The scatter of readings about a smooth course, in their unit.
 
-/// The highest differences that are looked at: a course that turns within few readings leaves something in the lower ones.
+/// Highest order of differences used: a course that turns within few readings leaves something in the lower ones.
 const HIGHEST: usize = 10;
-/// Fewer readings than so many times the order of their differences do not tell these from the ones below.
+/// With fewer readings than this multiple of the order of their differences, these cannot be told from the order below.
 const FEWEST: usize = 12;
-/// Higher differences that show this share of the scatter, or more, show the same.
+/// If the next order shows this fraction of the scatter or more, both show the same.
 const SAME: f64 = 0.8;
 
 /// The smallest change from one reading to the next, which may be the sensor's step; infinite where none changes.
@@ -13,15 +13,15 @@ pub fn smallest_change(readings: &[f64]) -> f64 {
     changes.fold(f64::INFINITY, f64::min)
 }
 
-/// Standard deviation from the second differences where they are small: noise passes one with the factor √6, a course that is smooth,
-/// or straight for half of the readings, hardly at all. Zero of fewer than three readings.
+/// Standard deviation from the small second differences: they pass noise with the factor √6, and hardly anything of a course that
+/// is smooth, or straight for half of the readings. Zero for fewer than three readings.
 pub fn scatter(readings: &[f64]) -> f64 {
     of_differences(&second_differences(readings), 2)
 }
 
-/// The same about a course that bends most of the time, whose second differences are its own: those of order k pass noise with the
-/// square root of the binomial coefficient (2k over k), and a course that turns slowly the less the higher their order is. The lowest
-/// order counts from which the next one shows no less.
+/// The same about a course that bends most of the time and so shows in the second differences. Those of order k pass noise with
+/// the square root of the binomial coefficient (2k over k), and a slowly turning course the less the higher the order. The lowest
+/// order whose next one shows no less is used.
 pub fn scatter_about_bends(readings: &[f64]) -> f64 {
     let mut differences = second_differences(readings);
     let mut found = of_differences(&differences, 2);
@@ -40,7 +40,7 @@ fn second_differences(values: &[f64]) -> Vec<f64> {
     values.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect()
 }
 
-/// Standard deviation of the noise whose differences of that order these are, from the small ones of them.
+/// Standard deviation of the noise from its differences of this order, of which the small ones are used.
 fn of_differences(differences: &[f64], order: usize) -> f64 {
     let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);

@@ -1,35 +1,35 @@
 //! The curve of a short move between two holds: as smooth as the noise of its rows allows, and no longer than they show.
 //!
-//! Of all curves g it is the one that minimises Σ (x − g)² + α ∫ g″² dt (Reinsch 1967). With m for g″ at the rows, T m = D g + e
-//! and ∫ g″² = mᵀ T m, a quadratic form in the rows between the two ends, whose places and speeds the holds give. The weight α is
-//! the one whose curve is expected to lie nearest to the stroke: least risk Σ (x − g)²/σ² + 2 tr H, where H takes x to g (Mallows
-//! 1973). The same risk tells at which rows the move begins and ends, where rows outside count as held. A curve through every row
-//! of a wider move shakes with their noise where the piston is held already, and forced convection would see a speed there.
+//! Of all curves g it minimises Σ (x − g)² + α ∫ g″² dt (Reinsch 1967). With m = g″ at the rows, T m = D g + e and ∫ g″² = mᵀ T
+//! m, a quadratic form in the rows between the two ends, whose positions and speeds the holds give. The weight α is that of the
+//! curve expected to lie nearest to the stroke: least risk Σ (x − g)²/σ² + 2 tr H, where H maps x to g (Mallows 1973). The same
+//! risk determines at which rows the move begins and ends; rows outside count as held. In a wider move, a curve through every row
+//! would follow their noise where the piston is already held, and forced convection would see a speed there.
 //! Position in m, time in s.
 
 use crate::record::spline::Spline;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use records::extremes;
 
-/// Rows within so many deviations of where the piston is held may be rows at which it is.
+/// The piston may be held in rows within this many standard deviations of its held position.
 const DEVIATIONS: f64 = 4.0;
-/// Positions are not known better than this share of the way.
+/// Positions are not known better than to this fraction of the travel.
 const FINEST: f64 = 1e-7;
-/// By how many rows a move may be longer than the shortest that takes in every row that is not held.
+/// Numbers of rows by which a move may be longer than the shortest that covers every row that is not held.
 const LONGER: [usize; 7] = [0, 1, 2, 4, 6, 10, 16];
-/// Each weight of smoothness that is tried over the one before it.
+/// Ratio of successive weights of smoothness that are tried.
 const STEP: f64 = 3.0;
 
 /// Where the piston is held, or creeps, before or after a move.
 #[derive(Clone, Copy, Debug)]
 pub struct Held {
-    /// A time, s.
+    /// A reference time, s.
     pub time_s: f64,
-    /// Its position then, m.
+    /// Its position at that time, m.
     pub position_m: f64,
     /// Its speed, m/s.
     pub speed: f64,
-    /// Whether the move begins or ends there at once, and has this speed.
+    /// Whether the move begins or ends there abruptly, with this speed.
     pub at_once: bool,
 }
 
@@ -40,7 +40,8 @@ impl Held {
     }
 }
 
-/// The curve between two holds near these rows, whose positions have that noise, m; none where no way is seen between the holds.
+/// Fits the curve between two holds to these rows, which have this position noise, m; `None` if no travel shows between the
+/// holds.
 pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], noise_m: f64) -> Option<Spline> {
     let n = time_s.len();
     let (low, high) = extremes(position_m);
@@ -69,7 +70,7 @@ pub fn between(time_s: &[f64], position_m: &[f64], [before, after]: [Held; 2], n
     Some(Spline::through(time_s[a..=b].to_vec(), curve, [Some(before.speed), Some(after.speed)]))
 }
 
-/// A move from the one row to the other, and its risk.
+/// A move between two rows, and its risk.
 struct Move {
     rows: [usize; 2],
     /// The curve at the rows in between, m.
@@ -109,7 +110,7 @@ fn smoothed(
     Some((smooth.iter().map(|x| base + x).collect(), risk))
 }
 
-/// D, e and T of the second derivatives of a cubic spline, T m = D g + e, from its speeds at both ends.
+/// D, e and T of the second derivatives of a cubic spline, T m = D g + e, given its speeds at both ends.
 fn second_derivatives(time_s: &[f64], speeds: [f64; 2]) -> (DMatrix<f64>, DVector<f64>, DMatrix<f64>) {
     let n = time_s.len();
     let (mut d, mut e, mut t) = (DMatrix::zeros(n, n), DVector::zeros(n), DMatrix::zeros(n, n));
@@ -133,7 +134,7 @@ mod tests {
     use crate::synthetic::Random;
     use std::cell::Cell;
 
-    /// A push of so many seconds.
+    /// A push of this length: position, m, and speed, m/s.
     fn push(length_s: f64) -> impl Fn(f64) -> [f64; 2] {
         move |t: f64| {
             let u = (t / length_s).clamp(0.0, 1.0);
@@ -142,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Relative error of ∫ |speed|^0.8 dt by the curves through rows of that noise, on the mean over the phases of a row.
+    /// Relative error of ∫ |speed|^0.8 dt for the curves through rows with this noise, averaged over the phases of a row.
     fn error_of_speed(length_s: f64, noise_m: f64) -> f64 {
         const PARTS: usize = 20_000;
         const PHASES: usize = 20;

@@ -1,10 +1,10 @@
-//! Whether a piston that seems to stop between two moves only turns: a sine's turning point passes so slowly that its way from row
-//! to row is lost in the noise, for many rows where they follow each other fast.
+//! Whether a piston that seems to stop between two moves only turns. A sine passes its turning point so slowly that the travel
+//! from row to row is lost in the noise, for many rows in a fast recording.
 //!
-//! It turns where one smooth curve, a polynomial of degree four, goes through the rows of the stop and half as many of each move
-//! beside it, besides those in which that may stand yet, as closely as the noise lets it. The corners of a stop do not lie on such
-//! a curve, nor does a stop that lasts. At an end of the record, where one move lies beside it, the stop's own rows have to show a way;
-//! where a record begins with so few rows of a stop that they cannot, the curve has to go through three times as many of the move.
+//! It turns if one smooth curve, a polynomial of degree four, fits the rows of the stop and half as many of each adjacent move,
+//! besides those in which the piston may still stand, to within the noise. The corners of a stop do not lie on such a curve, nor
+//! does a stop that lasts. At an end of the record, with one adjacent move, the stop's own rows must show travel. Where a record
+//! begins with too few rows of a stop for that, the curve must fit three times as many rows of the move.
 //! Positions in m.
 
 use crate::record::spline::mean;
@@ -12,22 +12,22 @@ use nalgebra::{DMatrix, DVector};
 use records::extremes;
 use std::ops::Range;
 
-/// Parts of the rows of which means are looked at.
+/// Number of parts into which the rows are divided for their means.
 const PARTS: usize = 24;
 /// Coefficients of the curve.
 const COEFFICIENTS: usize = 5;
-/// A part's mean is as far from the curve as noise puts one in fifteen thousand.
+/// Largest distance of a part's mean from the curve, in standard deviations; noise exceeds it once in fifteen thousand.
 const DEVIATIONS: f64 = 4.0;
 
-/// A stop of fewer rows shows no way.
+/// A stop of fewer rows shows no travel.
 const FEW_ROWS: usize = 10;
-/// Way of a turn at an end of the record, over the noise.
+/// Least travel of a turn at an end of the record, over the noise.
 const LEAST_WAY: f64 = 5.0;
 
-/// Rows on either side of one that tell whether that moves: so many of a move stand yet.
+/// Rows on either side of a row that tell whether it moves: in this many rows of a move the piston may still stand.
 pub const REACH: usize = 3;
 
-/// Whether the piston turns in a stop of these rows, where it and the moves beside it take the rows `around`.
+/// Whether the piston turns in these rows of a stop; `around` covers the stop and the adjacent moves.
 pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noise_m: f64) -> bool {
     let [at_begin, at_end] = [stop.start == around.start, stop.end == around.end];
     let is_short = at_begin && stop.len() < FEW_ROWS;
@@ -43,7 +43,7 @@ pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noi
     let end = (stop.end + beside).min(around.end);
     let size = ((end - first) / PARTS).max(1);
     let means: Vec<f64> = position_m[first..end].chunks_exact(size).map(mean).collect();
-    // Through few readings goes a curve whatever the piston did.
+    // A curve fits few readings whatever the piston did.
     if means.len() < 2 * COEFFICIENTS {
         return false;
     }
@@ -56,7 +56,7 @@ pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noi
     curve.is_ok_and(|curve| (powers * curve - means).amax() < limit)
 }
 
-/// How far means of a twelfth of some rows lie apart.
+/// Range of the means of twelfths of these rows, m.
 fn way(position_m: &[f64]) -> f64 {
     const PARTS: usize = 12;
     let means: Vec<f64> = position_m.chunks((position_m.len() / PARTS).max(1)).map(mean).collect();
@@ -92,14 +92,14 @@ mod tests {
             let mut random = Random::new(seed);
             let stroke: Vec<f64> =
                 (0..400).map(|i| 3e-5 * f64::from((i - 25).max(0)) + NOISE_M * random.normal()).collect();
-            // Its first two rows are not seen to move.
+            // The first two rows of the move are not seen to move.
             assert!(!is_turn(&stroke, 0..27, 0..400, NOISE_M), "{seed}");
         }
     }
 
     #[test]
     fn a_piston_that_stops_for_few_readings_does_not_turn() {
-        // The moves' first and last rows, in which it stands, are theirs.
+        // The moves' first and last rows, in which it stands, belong to the moves.
         let readings = rows(21, |u| 0.05 + 0.02 * f64::from(u > 0.8) - 0.02 * f64::from(u < 0.2));
         assert!(!is_turn(&readings, 8..13, 0..21, NOISE_M));
     }

@@ -1,9 +1,9 @@
-//! Block residuals made independent of each other and of unit variance: the innovations of a Kalman filter over a record.
+//! Whitening of block residuals: independent innovations of unit variance from a Kalman filter over a record.
 //!
-//! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of what
-//! blocks have in common: the errors of a hold's mean position, of its slope and of the place before, the time at which the move
-//! before it was over, and the rounding of readings that stick to one step (which changes as the pressure moves through the step).
-//! Each of these is a linear state, so that the filter is linear in the number of blocks, and the same operator applies to residuals
+//! A block's residual is the sum of white noise, of the recording's coloured noise and hum ([`Noise`]), and of errors that blocks
+//! have in common: those of a hold's mean position, of its slope and of the position before, of the time at which the move before
+//! ended, and the rounding of readings that stick to one step (which changes as the pressure moves through the step). Each of
+//! these is a linear state, so the filter's cost is linear in the number of blocks, and the same operator applies to residuals
 //! and to every column of sensitivities.
 //!
 //! An Ornstein–Uhlenbeck process x of variance σ² and time constant τ averaged over a block of length T = u τ, given x at
@@ -19,40 +19,40 @@ use nalgebra::{DMatrix, SVector};
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
 
-/// Deviations that a segment's means have in common: see `common_sd_pa` of [`super::block::Block`].
+/// Number of errors that a segment's means have in common: see `common_sd_pa` of [`super::block::Block`].
 pub const IN_COMMON: usize = 4;
-/// Place of the one by which the gas is too warm or too cold at first.
+/// Index of the one due to gas that is too warm or too cold at first.
 pub const RELAXING: usize = 3;
 
-/// Most states of the filter: the coloured processes of flicker noise, the hum's two, those that a segment has in common, one of
+/// Most states of the filter: the coloured processes of flicker noise, two of the hum, those that a segment has in common, one of
 /// rounding.
 const MOST: usize = FLICKER_COLOURS + IN_COMMON + 3;
 
-/// Where and how one mean of readings was taken. Times in s, deviations in Pa.
+/// Where and how one mean of readings was taken. Times in s, standard deviations in Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// Begin of the mean.
     pub begin_s: f64,
-    /// Its end; equal to the start for a single reading.
+    /// Its end; equal to the begin for a single reading.
     pub end_s: f64,
     /// Variance of its white part, Pa².
     pub variance: f64,
-    /// Deviations that the means of one segment have in common.
+    /// Standard deviations that the means of one segment have in common.
     pub common_sd_pa: [f64; IN_COMMON],
-    /// Rest, move or hold that the block belongs to, by its place in the record.
+    /// Index of the rest, move or hold that the block belongs to.
     pub segment: usize,
-    /// Deviation by rounding, where the readings stick.
+    /// Standard deviation of rounding, where the readings stick.
     pub rounding_sd_pa: f64,
-    /// Correlation of its rounding with that of the mean before it: zero where that stuck to another step.
+    /// Correlation of its rounding with that of the mean before: zero where that stuck to another step.
     pub rounding_keeps: f64,
 }
 
 type Vector = [f64; MOST];
 
-/// Columns that are whitened side by side.
+/// Columns that are whitened together.
 const ABREAST: usize = 4;
 
-/// Which states take part, and where they are.
+/// Which states take part, and their indices.
 #[derive(Clone, Copy, Debug, Default)]
 struct Layout {
     colours: usize,
@@ -76,7 +76,7 @@ impl Layout {
         Self { colours, hum, held, dwell, count }
     }
 
-    /// States that begin anew at a mean which follows another.
+    /// States that restart at this mean, given the one before.
     fn renewed(&self, place: &Place, before: Option<&Place>) -> impl Iterator<Item = usize> + use<> {
         let segment = before.is_none_or(|b| b.segment != place.segment);
         self.held.filter(|_| segment).map(|at| at..at + IN_COMMON).into_iter().flatten()
@@ -88,7 +88,7 @@ impl Layout {
 struct Step {
     observe: Vector,
     keep: Vector,
-    /// Cosine and sine of the hum's way to the next mean, damping included.
+    /// Cosine and sine of the hum's phase step to the next mean, with damping.
     turn: [f64; 2],
     gain: Vector,
     per_sd: f64,
@@ -102,7 +102,7 @@ pub struct Whitener {
 }
 
 impl Whitener {
-    /// For means at these places, under that noise.
+    /// For means at these places, with this noise.
     pub fn new(noise: &Noise, places: &[Place]) -> Self {
         let layout = Layout::of(noise, places);
         let mut covariance = [[0.0; MOST]; MOST];
@@ -120,7 +120,7 @@ impl Whitener {
         for (i, place) in places.iter().enumerate() {
             for state in layout.renewed(place, i.checked_sub(1).map(|b| &places[b])) {
                 renew(&mut covariance, state);
-                // What begins anew forgets what it was.
+                // A state that restarts forgets its past.
                 if let Some(before) = steps.last_mut() {
                     (before.keep[state], before.gain[state]) = (0.0, 0.0);
                 }
@@ -130,12 +130,12 @@ impl Whitener {
         Self { layout, steps }
     }
 
-    /// Σ ln of the first innovations' variances: what a likelihood needs beside the squares.
+    /// Σ ln of the variances of the first `count` innovations: what a likelihood needs beside the squares.
     pub fn log_determinant_of(&self, count: usize) -> f64 {
         self.steps.iter().take(count).map(|step| -2.0 * step.per_sd.ln()).sum()
     }
 
-    /// Whitens the first values of a column in place; it may be shorter than the record.
+    /// Whitens a column in place; it may be shorter than the record.
     pub fn apply(&self, column: &mut [f64]) {
         self.apply_abreast(&mut [column]);
     }
@@ -149,7 +149,7 @@ impl Whitener {
         rest.iter_mut().for_each(|column| self.apply(column));
     }
 
-    /// Whitens columns of the same length, row by row: each of them waits for its own row before only.
+    /// Whitens columns of the same length, row by row: each depends on its own previous rows only.
     fn apply_abreast<const N: usize>(&self, columns: &mut [&mut [f64]; N]) {
         let count = self.layout.count;
         let mut state = [SVector::<f64, N>::zeros(); MOST];
@@ -168,7 +168,7 @@ impl Whitener {
     }
 }
 
-/// Takes a state on to the next mean, or those of several columns.
+/// Carries a state, or those of several columns, to the next mean.
 #[inline]
 fn carry<T>(layout: &Layout, step: &Step, state: &mut [T; MOST])
 where
@@ -186,14 +186,14 @@ where
     }
 }
 
-/// Gives a state its prior variance of one, independent of the others.
+/// Resets a state to its prior variance of one, independent of the others.
 fn renew(covariance: &mut [Vector; MOST], state: usize) {
     covariance[state] = [0.0; MOST];
     covariance.iter_mut().for_each(|row| row[state] = 0.0);
     covariance[state][state] = 1.0;
 }
 
-/// What the filter does at one mean; the covariance goes on to the next one.
+/// The filter's step at one mean; carries the covariance to the next one.
 fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, covariance: &mut [Vector; MOST]) -> Step {
     let count = layout.count;
     let length = place.end_s - place.begin_s;
@@ -230,7 +230,7 @@ fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, cov
         added[at] = 1.0 - out.keep[at] * out.keep[at];
     }
 
-    // P Hᵀ and S = H P Hᵀ + R; both and P itself taken on to the next mean.
+    // P Hᵀ and S = H P Hᵀ + R; P Hᵀ and P itself are then carried to the next mean.
     let mut along = [0.0; MOST];
     for i in 0..count {
         along[i] = (0..count).map(|j| covariance[i][j] * out.observe[j]).sum();

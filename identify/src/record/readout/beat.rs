@@ -1,36 +1,36 @@
-//! The beat of marks in a record's rows, such as changes: a period, in rows, that need be no whole number of them.
+//! The beat of marks in a record's rows, such as changes: a period, in rows, that need not be a whole number.
 //!
-//! Marks that come with a frequency f are in phase in the sum of w exp(2πi f row). That is looked at for all frequencies among the
-//! marks that lie closest together, then for ever longer parts of the record close to what the shorter part showed.
+//! Marks with a frequency f are in phase in the sum of w exp(2πi f row). The strongest f is searched for over all frequencies
+//! among the marks that lie closest together, then in ever longer parts of the record near what the shorter part showed.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// A row that is marked, and how much it counts.
+/// A marked row and its weight.
 pub type Mark = (f64, f64);
 
 /// Beats at `first` + k `period`, rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beat {
-    /// One of them.
+    /// Time of one of them, rows.
     pub first: f64,
     /// Rows from one to the next.
     pub period: f64,
 }
 
-/// So many marks show a beat.
+/// Number of marks that show a beat.
 const SHOW: usize = 96;
-/// Steps of the frequency in that in which marks at both ends get out of phase.
+/// Frequency steps per 1/length, the change that puts the marks at both ends out of phase.
 const FINE: f64 = 8.0;
-/// So many beats are tried: where a reading lasts for many rows, those of half, a third, … of its period are nearly as strong.
+/// Beats that are tried: where a reading lasts for many rows, those of half, a third, … of its period are nearly as strong.
 const TRIED: usize = 6;
 
-/// Natural logarithm of the probability with which marks in any rows keep to a beat, the best of all beats, by chance, and that of one
-/// whose period is known.
+/// Natural logarithm of the probability that marks in arbitrary rows keep to a beat by chance: for the best of all beats, and for
+/// one whose period is known.
 pub const BY_CHANCE: [f64; 2] = [-25.0, -8.0];
 
 impl Beat {
-    /// The beats that these marks, ascending, may have: like a known period, or else with such a one.
+    /// The beats that these marks, ascending, may have: near the known period `like`, or else with one of `periods`.
     pub fn candidates(marks: &[Mark], like: Option<f64>, periods: Range<f64>) -> Vec<Self> {
         match like {
             Some(period) => vec![Self::like(marks, period)],
@@ -39,7 +39,7 @@ impl Beat {
         }
     }
 
-    /// Those with such a period, the strongest first.
+    /// Those with one of these periods, the strongest first.
     fn of(marks: &[Mark], periods: Range<f64>) -> Vec<Self> {
         let Some(mut part) = closest_together(marks) else { return Vec::new() };
         let step = 1.0 / (FINE * length(&marks[part.clone()]));
@@ -66,9 +66,9 @@ impl Beat {
         found.into_iter().map(|frequency| Self::in_phase(marks, 1.0 / frequency)).collect()
     }
 
-    /// With a known period, as these marks have it.
+    /// The beat of these marks near a known period.
     fn like(marks: &[Mark], period: f64) -> Self {
-        /// Two clocks agree to this share.
+        /// Two clocks agree to this fraction.
         const FREQUENCY_KNOWN_TO: f64 = 3e-4;
         let frequency = 1.0 / period;
         let finer = 1.0 / (FINE * length(marks));
@@ -80,17 +80,17 @@ impl Beat {
         Self { first: imaginary.atan2(real) / TAU * period, period }
     }
 
-    /// The number of the beat that is nearest to a row.
+    /// Number of the beat nearest to a row.
     pub fn nearest(&self, row: f64) -> f64 {
         ((row - self.first) / self.period).round()
     }
 
-    /// When a beat is, in rows.
+    /// Time of a beat, rows.
     pub fn at(&self, beat: f64) -> f64 {
         self.first + beat * self.period
     }
 
-    /// Through beats that are known to be at some rows, each with its weight; as it is where there are too few of them.
+    /// Fits the beat to known beats, each with its row and weight; unchanged where these are too few.
     pub fn through(self, known: &[[f64; 3]]) -> Self {
         let weight = known.iter().map(|[.., w]| w).sum::<f64>();
         let [beat, row] = [0, 1].map(|k| known.iter().map(|of| of[2] * of[k]).sum::<f64>() / weight);
@@ -113,7 +113,7 @@ fn strength(marks: &[Mark], frequency: f64) -> f64 {
     real.hypot(imaginary)
 }
 
-/// The strongest frequency within `within` of one.
+/// Strongest frequency within `within` of `frequency`.
 fn strongest(marks: &[Mark], frequency: f64, within: f64, step: f64) -> f64 {
     let steps = (within / step).ceil();
     let frequencies = (0..=2 * steps as usize).map(|i| frequency + (i as f64 - steps) * step);
@@ -126,7 +126,7 @@ fn length(marks: &[Mark]) -> f64 {
     (marks[marks.len() - 1].0 - marks[0].0).max(1.0)
 }
 
-/// The marks that lie closest together, so many as show a beat, or all of them; none of fewer than three.
+/// The marks that lie closest together, as many as show a beat, or all of them; none for fewer than three.
 fn closest_together(marks: &[Mark]) -> Option<Range<usize>> {
     let count = SHOW.min(marks.len());
     let parts = (0..=marks.len() - count).map(|first| first..first + count);

@@ -27,21 +27,21 @@ impl Between {
 /// A reading at every `period`-th row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Even {
-    /// What stands between two readings.
+    /// What the rows between two readings do.
     pub between: Between,
-    /// Rows from one reading to the next; 1 where every row is one.
+    /// Rows from one reading to the next; 1 where every row is a reading.
     pub period: usize,
     /// The first row that is a reading.
     pub first: usize,
 }
 
-/// Longest period that is looked for, rows: a gauge read ten times a second beside rows at 2 kHz...
+/// Longest period searched for, rows: a gauge read ten times a second beside rows at 2 kHz...
 pub const LONGEST: usize = 250;
 /// ...or at 20 kHz where its readings are held, which shows at once.
 pub const LONGEST_HELD: usize = 2000;
-/// At least so many readings must be in a record for a period to be believed that its bends show.
+/// Fewest readings of a record whose bends are taken to show a period.
 pub const FEWEST_READINGS: usize = 20;
-/// Share of the changes that disturbances of single rows may be.
+/// Largest fraction of the changes that may be disturbances of single rows.
 pub const DISTURBED: f64 = 0.05;
 
 impl Even {
@@ -57,7 +57,8 @@ pub fn changes(column: &[f64]) -> Vec<usize> {
     (1..column.len()).filter(|&i| (column[i] - column[i - 1]).abs() > 0.0).collect()
 }
 
-/// Changes fall on every k-th row only, but for few, although nearly every reading differs from the one before it.
+/// Looks for changes on every k-th row only, but for a few disturbed ones, although nearly every reading differs from the one
+/// before.
 pub fn held(pressure_pa: &[f64]) -> Option<Even> {
     let changes = changes(pressure_pa);
     if 2 * changes.len() > pressure_pa.len() {
@@ -66,13 +67,13 @@ pub fn held(pressure_pa: &[f64]) -> Option<Even> {
     let mut distances: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
     distances.sort_unstable();
     let most_frequent = distances.chunk_by(|a, b| a == b).max_by_key(|alike| alike.len())?[0];
-    // Where readings stick to a step most changes may be several readings apart; where single rows are disturbed, less than one.
+    // Where readings stick to a step, most changes may be several readings apart; where single rows are disturbed, less than one.
     [distances[0], most_frequent].into_iter().find_map(|period| held_for(&changes, period))
 }
 
-/// The readout of that many rows, if the changes are its.
+/// The held readout with this period, if the changes fit it.
 fn held_for(changes: &[usize], period: usize) -> Option<Even> {
-    /// Natural logarithm of the probability with which changes on any rows all fall on a grid: surely no chance.
+    /// Natural logarithm of the probability that changes on arbitrary rows all fall on a grid: certainly no chance.
     const BY_CHANCE: f64 = -16.0;
     if !(2..=LONGEST_HELD).contains(&period) {
         return None;
@@ -82,30 +83,31 @@ fn held_for(changes: &[usize], period: usize) -> Option<Even> {
     let (first, on_grid) = at.into_iter().enumerate().max_by_key(|(first, count)| (*count, period - first))?;
     let (all, off) = (changes.len() as f64, (changes.len() - on_grid) as f64);
     let chance = ways(off, all) - (on_grid - 1) as f64 * (period as f64).ln();
-    // A sensor that sticks to its steps changes on any row; a slow one on its own rows only.
+    // A sensor that sticks to its steps changes on any row, a slow one on its own rows only.
     (off <= DISTURBED * all && chance <= BY_CHANCE).then_some(Even { between: Between::Held, period, first })
 }
 
-/// Natural logarithm of the number of ways in which those off a grid are chosen from all (Stirling).
+/// Natural logarithm of the number of ways to choose those off a grid from all (Stirling).
 pub fn ways(off: f64, all: f64) -> f64 {
     if off > 0.0 { off * (1.0 + (all / off).ln()) } else { 0.0 }
 }
 
-/// Second differences vanish, to the rounding of the readings, but at every k-th row.
+/// Looks for second differences that vanish, to the rounding of the readings, except at every k-th row.
 pub fn interpolated(pressure_pa: &[f64]) -> Option<Even> {
     let bends = Bends::of(&pressure_pa[..pressure_pa.len().min(20_000)]);
     let candidates = (2..=LONGEST.min(bends.squares.len() / FEWEST_READINGS)).filter_map(|period| {
         let (first, most) = bends.largest(period)?;
         bends.stand_out(period, first, most)?;
-        // Spikes and a push bend few rows much: what stands for a period is the usual bend of its readings.
+        // Spikes and a push bend few rows much: the usual bend of its readings is what counts for a period.
         let stands_out = bends.stand_out(period, first, MOST_OF_USUAL * bends.usual(period, first))?;
         Some((stands_out, Even { between: Between::Interpolated, period, first }))
     });
-    // Where several periods pass, as divisors of the true one do, that which stands out most.
+    // Where several periods pass, as divisors of the true one do, the one that stands out most is taken.
     candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, readout)| readout)
 }
 
-/// Interpolated with that period, if the other rows lie on straight lines, be the readings of a sticking sensor on one line too.
+/// Interpolated with this period if the other rows lie on straight lines, even if readings of a sticking sensor lie on one line
+/// too.
 pub fn on_lines(pressure_pa: &[f64], period: usize) -> Option<Even> {
     let bends = Bends::of(pressure_pa);
     let on_lines = (2..=bends.squares.len() / FEWEST_READINGS).contains(&period).then(|| bends.largest(period));
@@ -113,8 +115,8 @@ pub fn on_lines(pressure_pa: &[f64], period: usize) -> Option<Even> {
     first.map(|(first, _)| Even { between: Between::Interpolated, period, first })
 }
 
-/// Held where hardly any other row than every `period`-th changes, interpolated where these have most of the bends: begun where
-/// changes, or bends, are largest. Where the rows in between bend as much, each of them is a reading, whatever was stated.
+/// Held if hardly any row but every `period`-th changes, interpolated if these have most of the bends; the first reading is where
+/// the changes, or bends, are largest. Where the rows in between bend as much, every row is a reading, whatever was stated.
 pub fn of_period(pressure_pa: &[f64], period: usize) -> Option<Even> {
     let sums = |squares: &mut dyn Iterator<Item = (usize, f64)>| {
         let mut sums = vec![0.0; period];
@@ -128,7 +130,7 @@ pub fn of_period(pressure_pa: &[f64], period: usize) -> Option<Even> {
     if all - there <= 1e-3 * all {
         return Some(Even { between: Between::Held, period, first });
     }
-    /// Share of the bends' squares.
+    /// Least fraction of the bends' squares.
     const MOST: f64 = 0.5;
     let (first, there, all) = sums(&mut { bends });
     (there >= MOST * all).then_some(Even { between: Between::Interpolated, period, first })

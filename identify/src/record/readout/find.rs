@@ -1,4 +1,4 @@
-//! Looks for the readings in the rows of the records of one logger.
+//! Finds the readings in the rows of one logger's records.
 
 use super::even::{self, Between, Even, FEWEST_READINGS, LONGEST, interpolated, on_lines};
 use super::readings::{Readings, Taken, on_grid};
@@ -6,8 +6,8 @@ use super::uneven::{self, Uneven};
 use super::{held, straight};
 use crate::record::row_time::usual_row_s;
 
-/// Readings of the records of one logger, of which each has its times, s, and pressures: at the stated rate, Hz, or as each
-/// record shows it. One with too few readings to show anything was read like that which shows most.
+/// Returns the readings of one logger's records, each given by its times, s, and pressures: at the stated rate, Hz, or as each
+/// record shows it. A record with too few readings to show a rate is taken to have been read like the one that shows most.
 pub fn of_logger(records: &[(&[f64], &[f64])], stated_hz: Option<f64>) -> Vec<Readings> {
     let records: Vec<Rows> = records.iter().map(|(time_s, pressure_pa)| Rows::of(time_s, pressure_pa)).collect();
     if let Some(hz) = stated_hz {
@@ -32,11 +32,11 @@ pub fn of_logger(records: &[(&[f64], &[f64])], stated_hz: Option<f64>) -> Vec<Re
     shown.iter().zip(&records).map(of_record).collect()
 }
 
-/// Readings of fewer rows than all.
+/// A readout slower than the rows.
 pub(super) enum Found {
     /// At every k-th row.
     Even(Even),
-    /// By a clock of the sensor's own.
+    /// By the sensor's own clock.
     Uneven(Uneven),
 }
 
@@ -49,7 +49,7 @@ impl Found {
     }
 }
 
-/// Looks for a slower readout in a pressure's rows, those that are missing not a number.
+/// Looks for a slower readout in a pressure's rows, with NaN for missing ones.
 fn detect(pressure_pa: &[f64]) -> Option<Found> {
     let even = even::held(pressure_pa).or_else(|| interpolated(pressure_pa));
     even.map(Found::Even).or_else(|| by_own_clock(pressure_pa))
@@ -59,18 +59,18 @@ pub(super) fn by_own_clock(pressure_pa: &[f64]) -> Option<Found> {
     held::held(pressure_pa, None).or_else(|| straight::interpolated(pressure_pa, None)).map(Found::Uneven)
 }
 
-/// As another record of the same sensor was read, by a clock of the sensor's own.
+/// Looks for the readout of another record of the same sensor, by the sensor's own clock.
 pub(super) fn like(pressure_pa: &[f64], between: Between, period: f64) -> Option<Found> {
     let find = if between == Between::Held { held::held } else { straight::interpolated };
     find(pressure_pa, Some(period)).map(Found::Uneven)
 }
 
-/// The readout of a pressure whose rows come `row_s` apart and that was read out at a stated rate, Hz: looked for where the rate does
-/// not fit a whole number of rows, or these rows do not show it.
+/// The readout, at a stated rate, Hz, of a pressure whose rows are `row_s` apart. It is searched for where the period is not a
+/// whole number of rows, or these rows do not show it.
 fn stated(pressure_pa: &[f64], row_s: f64, readout_hz: f64) -> Option<Found> {
-    /// How far a period may be from a whole number of rows, or from what is stated.
+    /// Largest relative deviation of a period from a whole number of rows, or from the stated one.
     const OFF: f64 = 0.02;
-    /// How far the readings of a whole period may be from their rows, rows.
+    /// Most that the readings of a whole-number period may drift from their rows, rows.
     const MOST_DRIFT: f64 = 0.5;
     let rows = 1.0 / (readout_hz * row_s);
     let period = rows.round().max(1.0);
@@ -80,7 +80,7 @@ fn stated(pressure_pa: &[f64], row_s: f64, readout_hz: f64) -> Option<Found> {
     if period < 2.0 {
         return None;
     }
-    // Over the record such readings drift through the rows.
+    // Over the record such readings drift relative to the rows.
     let drift = (rows / period - 1.0).abs() * pressure_pa.len() as f64;
     let is_stated = |found: &Found| (found.period() / rows - 1.0).abs() < OFF;
     let shown = || detect(pressure_pa).filter(is_stated);
@@ -88,12 +88,12 @@ fn stated(pressure_pa: &[f64], row_s: f64, readout_hz: f64) -> Option<Found> {
     if drift > MOST_DRIFT { shown().or_else(at_rows) } else { at_rows().or_else(shown) }
 }
 
-/// A record's rows on the grid of their times, which a row that is left out leaves a gap in.
+/// A record's rows on a regular time grid, with gaps where rows are missing.
 struct Rows {
     row_s: f64,
     time_s: Vec<f64>,
     pressure_pa: Vec<f64>,
-    /// Rows before which one is missing, one for each that is.
+    /// Rows before which one is missing, one entry for each missing row.
     missing: Vec<usize>,
 }
 
@@ -107,7 +107,7 @@ impl Rows {
         Self { row_s, time_s: time_s.to_vec(), pressure_pa: pressure_pa.to_vec(), missing }
     }
 
-    /// What `find` finds in these rows, with those that are missing; in the rows alone where that is nothing.
+    /// Applies `find` to these rows with the missing ones, and to the rows alone if that finds nothing.
     fn readings(&self, find: &dyn Fn(&[f64]) -> Option<Found>) -> Readings {
         let with_missing = (!self.missing.is_empty()).then(|| find(&self.all())).flatten();
         let (found, missing) = match with_missing {
@@ -121,13 +121,13 @@ impl Rows {
         }
     }
 
-    /// These readings, of rows of which those are missing, each with its time.
+    /// Assigns times to these readings, found in rows of which `missing` are missing.
     fn taken(&self, uneven: Uneven, missing: &[usize]) -> Readings {
         let places: Vec<usize> = (0..self.time_s.len()).map(|row| on_grid(row, missing)).collect();
         let taken = |reading: &uneven::Reading| {
             let row = places.binary_search(&reading.row).ok()?;
             let before = row.saturating_sub(1);
-            // From the row before to this one.
+            // Fraction of the way from the row before to this one.
             let share = match places[row] - places[before] {
                 0 => 1.0,
                 rows => 1.0 - (reading.row as f64 - reading.at) / rows as f64,
@@ -139,7 +139,7 @@ impl Rows {
         Readings::ByOwnClock { between, period, taken: readings.iter().filter_map(taken).collect() }
     }
 
-    /// All rows, those that are missing not a number: what they were shows neither a change nor a bend.
+    /// All rows, with NaN for missing ones: these show neither a change nor a bend.
     fn all(&self) -> Vec<f64> {
         let mut all = vec![f64::NAN; self.pressure_pa.len() + self.missing.len()];
         for (row, p) in self.pressure_pa.iter().enumerate() {
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::synthetic::Random;
 
-    /// What is found in these rows, 0.01 s apart.
+    /// Readings found in these rows, 0.01 s apart.
     fn found(pressure_pa: &[f64], find: &dyn Fn(&[f64]) -> Option<Found>) -> Readings {
         let time_s: Vec<f64> = (0..pressure_pa.len()).map(|i| i as f64 * 0.01).collect();
         Rows::of(&time_s, pressure_pa).readings(find)
@@ -168,7 +168,7 @@ mod tests {
         found(pressure_pa, &|p| stated(p, row_s, readout_hz))
     }
 
-    /// Asserts that readings are found in every so many rows from that one on.
+    /// Asserts that the readings are every `period`-th row from `first` on.
     fn assert_at_rows(found: &Readings, between: Between, period: usize, first: usize) {
         let Readings::AtRows(even, _) = found else { panic!("{found:?}") };
         assert_eq!(*even, Even { between, period, first });
@@ -192,7 +192,7 @@ mod tests {
     fn a_held_readout_is_found_though_single_rows_are_disturbed() {
         let slow = readings(100);
         let mut rows: Vec<f64> = (0..960).map(|i| slow[(i + 7) / 10]).collect();
-        // Amid a run, at a reading's own row, and right before the next one's.
+        // Within a run, at a reading's own row, and right before the next reading's row.
         for (row, by) in [(88, 2e4), (203, -1e4), (402, 3e4)] {
             rows[row] += by;
         }
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_stated_readout_is_taken_where_the_rows_alone_do_not_show_it() {
-        // Too few readings for a period to be believed.
+        // Too few readings to establish a period.
         let slow = readings(12);
         let held: Vec<f64> = (0..70).map(|i| slow[(i + 7) / 10]).collect();
         let straight: Vec<f64> =
@@ -249,7 +249,7 @@ mod tests {
         let found = at_rate(&straight, 0.01, 10.0);
         assert_at_rows(&found, Between::Interpolated, 10, 0);
         assert_eq!(at_rate(&held, 0.01, 200.0), Readings::EveryRow);
-        // Rows that bend all over are readings, whatever the rig states.
+        // Rows that bend everywhere are readings, whatever the rig states.
         let every_row = readings(100);
         assert_eq!(at_rate(&every_row, 0.01, 10.0), Readings::EveryRow);
         assert_eq!(at_rate(&held, 0.01, 30.0), alone(&held));
@@ -284,7 +284,7 @@ mod tests {
         both.iter().for_each(|found| assert_at_rows(found, Between::Interpolated, 10, 0));
     }
 
-    /// Asserts that the readings in every tenth row, from the fourth on, are found in those of 1000 rows that were kept.
+    /// Asserts that the readings at every tenth row, from the fourth on, are found in the kept ones of 1000 rows.
     fn assert_found(slow: &[f64], is_kept: impl Fn(&usize) -> bool) {
         let kept: Vec<usize> = (0..1000).filter(is_kept).collect();
         let times: Vec<f64> = kept.iter().map(|i| *i as f64 * 0.01).collect();

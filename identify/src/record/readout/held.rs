@@ -1,22 +1,22 @@
-//! Readings that are held by a clock of the sensor's own: the value of each is shown from the first row after it on.
+//! Readings held by the sensor's own clock: the value of each is shown from the first row after it on.
 //!
-//! Changes fall into a window of one row about a steady beat. Between its ends they are new and a row old; how old each reading is when
-//! it first shows follows from the beat.
+//! Changes fall into a window of one row about a steady beat. At its ends, readings are new or one row old; the age of each
+//! reading when it first shows follows from the beat.
 
 use super::super::lattice;
 use super::beat::{BY_CHANCE, Beat, Mark};
 use super::even::{Between, DISTURBED, FEWEST_READINGS, LONGEST_HELD, changes, ways};
 use super::uneven::{Reading, Uneven};
 
-/// The shortest period that shows, rows: at two every second row would change, whatever the beat.
+/// Shortest detectable period, rows: at two, every second row would change, whatever the beat.
 const SHORTEST: f64 = 2.03;
-/// Widths of the window of the changes about a beat, rows: of a steady one that is known to a tenth of a row, and of one that is not
-/// quite steady.
+/// Widths of the window of the changes about a beat, rows: for a steady beat that is known to a tenth of a row, and for one that
+/// is not quite steady.
 const WINDOWS: [f64; 2] = [1.1, 1.6];
-/// So large a share of the changes must tell a beat.
+/// Least fraction of the changes that must be evidence of a beat.
 const TELLING: f64 = 0.2;
 
-/// The readout of these rows, those that are missing not a number; of a known period if there is one.
+/// Finds the readout of these rows, with NaN for missing ones; `like` is its period, if known.
 pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
     let changes = changes(pressure_pa);
     if changes.len() < 3 || 2 * changes.len() > pressure_pa.len() {
@@ -26,7 +26,7 @@ pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
     let longest = LONGEST_HELD.min(pressure_pa.len() / FEWEST_READINGS) as f64;
     let beats = Beat::candidates(&marks, like, SHORTEST..longest);
     let kept = beats.into_iter().filter_map(|beat| Kept::of(&changes, pressure_pa, beat, like.is_some()));
-    // Readings of the true period keep to a beat of two thirds of it, too, where that is four and a half rows.
+    // Readings of the true period also keep to a beat of two thirds of it if the true one is four and a half rows.
     let shown = kept.filter(|kept| kept.chance <= BY_CHANCE[usize::from(like.is_some())]);
     let best = shown.max_by(|a, b| a.beat.period.total_cmp(&b.beat.period))?;
     Some(Uneven { between: Between::Held, period: best.beat.period, readings: best.readings(pressure_pa) })
@@ -36,14 +36,14 @@ pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
 struct Kept {
     /// When the readings were taken.
     beat: Beat,
-    /// The rows that first show those that differ from the one before, by their beat, ascending.
+    /// Beat and first row of each reading that differs from the one before, ascending.
     shown: Vec<(f64, usize)>,
     /// Natural logarithm of the probability that they keep to it by chance.
     chance: f64,
 }
 
 impl Kept {
-    /// The changes as they keep to a beat; `None` where too many do not.
+    /// Fits a beat to the changes; `None` where too many do not keep to it.
     fn of(changes: &[usize], pressure_pa: &[f64], mut beat: Beat, is_known: bool) -> Option<Self> {
         const ROUNDS: usize = 3;
         for _ in 0..if is_known { 0 } else { ROUNDS } {
@@ -67,7 +67,7 @@ impl Kept {
         let window = newest..newest + width;
         let known = changes.iter().filter(|row| window.contains(&late(**row)));
         let known: Vec<(f64, usize)> = known.map(|row| (beat.nearest(*row as f64), *row)).collect();
-        // A few come a little farther from the beat; of two changes at a beat that which is nearer shows its reading.
+        // A few lie slightly farther from the beat; of two changes at one beat, the nearer one shows its reading.
         let off_middle = |row: usize| (late(row) - newest - 0.5 * width).abs();
         let mut shown: Vec<(f64, usize)> = Vec::new();
         for row in changes.iter().copied().filter(|row| off_middle(*row) < 0.5 * WINDOWS[1]) {
@@ -84,7 +84,7 @@ impl Kept {
         }
         let chance = ways(off, changes.len() as f64) - (telling as f64 - 3.0) * (beat.period / width).ln();
         let taken = when_taken(&known, beat.period, is_known);
-        // A clock that is not quite steady takes its readings half a row before they show in the mean.
+        // A clock that is not quite steady takes its readings, on average, half a row before they show.
         let beat = taken.unwrap_or(Beat { first: beat.first - 0.5, ..beat });
         Some(Self { beat, shown, chance })
     }
@@ -102,10 +102,10 @@ impl Kept {
             while shown.peek().is_some_and(|(of, _)| *of < k) {
                 shown.next();
             }
-            // One that equals the reading before it does not show; rows that are missing may hide its first one.
+            // A reading equal to the one before does not show; missing rows may hide the first row of one.
             let at_beat = beat_at.ceil();
             let first = shown.peek().filter(|(of, _)| *of == k).map_or(at_beat, |(_, row)| *row as f64);
-            // One that was taken before the record has no time in it.
+            // A reading taken before the record began has no time in it.
             if beat_at < 0.0 || first < 0.0 {
                 continue;
             }
@@ -121,12 +121,13 @@ impl Kept {
     }
 }
 
-/// The beat at which readings that show in these rows were taken, each less than a row before: of all periods for which there is such
-/// a beat that in which their ages differ least. What is left open of the ages is shared out, unless it is so much that there are but a
-/// few different ones: then one clock drives sensor and rows, and the newest was taken right at its row.
+/// The beat at which the readings that first show in these rows were taken, each less than a row before: of all periods that
+/// allow such a beat, the one in which their ages differ least. What remains open of the ages is split evenly, unless it is so
+/// much that only a few different ages occur: then one clock drives sensor and rows, and the newest reading was taken right at
+/// its row.
 fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Beat> {
     const ROUNDS: usize = 60;
-    /// Rows; a little more than one, for what a known period is wrong by.
+    /// Rows; slightly more than one, to allow for the error of a known period.
     const MOST: f64 = 1.02;
     /// Rows; five different ages.
     const ONE_CLOCK: f64 = 0.19;
@@ -138,7 +139,7 @@ fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Bea
         let [newest, oldest] = ages(period);
         oldest - newest
     };
-    // They differ by a convex function of the period.
+    // Their range is a convex function of the period.
     let reach = if is_known { 0.0 } else { 2.0 / (shown.last()?.0 - shown.first()?.0) };
     let [mut low, mut high] = [period - reach, period + reach];
     for _ in 0..ROUNDS {
@@ -152,13 +153,13 @@ fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Bea
     (differ(period) < MOST).then_some(Beat { first, period })
 }
 
-/// How many of these changes tell a beat. Steps of a sensor that is read in every row come at even distances, too, where the pressure
-/// goes on steadily: a change of a single step tells nothing where it comes as many rows after the last one as that after the one
-/// before.
+/// Number of these changes that are evidence of a beat. The steps of a sensor that is read in every row come at even distances,
+/// too, where the pressure changes steadily: a change of a single step is no evidence if it comes, within one row, as many rows
+/// after the last change as that came after the one before.
 fn telling(shown: &[(f64, usize)], pressure_pa: &[f64]) -> usize {
-    /// Less than two steps is one.
+    /// A change of less than this many steps is a single step.
     const ONE: f64 = 1.5;
-    /// Differences below this are rounding of the arithmetic, Pa.
+    /// Differences below this are arithmetic rounding, Pa.
     const NOTHING: f64 = 1e-9;
     let step_pa = lattice::of_changes(pressure_pa, NOTHING);
     let tells = |w: &&[(f64, usize)]| {
@@ -178,7 +179,7 @@ mod tests {
         let taken = |beat: Beat| when_taken(&shown(beat), beat.period + 0.003, false).unwrap();
         let of_rows = taken(Beat { first: 0.0, period: 2.5 });
         assert!((of_rows.period - 2.5).abs() < 1e-6 && of_rows.first.abs() < 1e-6, "{of_rows:?}");
-        // What many different ages leave open is shared out.
+        // With many different ages, what remains open is split evenly.
         let own = Beat { first: 0.31, period: 4.0713 };
         let found = taken(own);
         assert!([0.0, 20.0, 39.0].iter().all(|k| (found.at(*k) - own.at(*k)).abs() < 0.05), "{found:?}");

@@ -1,9 +1,9 @@
-//! Which rows of a record are data: a sensor read out more slowly than the rows fills the rows in between with what it
-//! showed last, or with straight lines; those rows say nothing new.
+//! Which rows of a record are data. A sensor that is read out more slowly than the rows fills the rows in between with its last
+//! reading, or with straight lines; those rows carry no information.
 //!
-//! A held readout repeats each reading, also while the pressure changes by many times its noise; an interpolated one
-//! bends at every k-th row only. Rows that are missing in between count, since the sensor does not wait for them. Rows marked
-//! as outliers are no data either, nor are those of a move that the position does not show.
+//! A held readout repeats each reading, even while the pressure changes by many times its noise; an interpolated one bends at
+//! every k-th row only. Rows missing from the file count, since the sensor does not wait for them. Rows marked as outliers are
+//! not data either, nor are those of a move that the positions do not show.
 
 mod beat;
 mod even;
@@ -19,27 +19,27 @@ pub use even::{Between, changes, interpolated};
 pub use find::of_logger;
 pub use readings::Readings;
 
-/// Which rows are data: all readings but those that it names.
+/// Which rows are data: all readings except those listed here.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readout {
     /// Which rows are readings.
     pub readings: Readings,
-    /// Rows that are no data although they are readings, ascending.
+    /// Outliers: rows that are not data although they are readings, ascending.
     pub outliers: Vec<usize>,
-    /// How many rows at the beginning are no data since a filter shows there that began elsewhere, or the port was shut only then: see
-    /// [`shut_from`](records::shut_from).
+    /// Number of rows at the beginning that are not data because a filter that began elsewhere is still settling, or the port is
+    /// not shut yet: see [`shut_from`](records::shut_from).
     pub starting: usize,
-    /// Rows that are no data since nothing tells where the piston is.
+    /// Rows that are not data because the piston's position is unknown.
     pub unfollowed: Vec<Range<usize>>,
-    /// Rows that are no data since others beside them were lost while the piston moved.
+    /// Rows that are not data because rows beside them were lost while the piston moved.
     pub at_gaps: Vec<Range<usize>>,
-    /// Rows at the end that are no data since the chamber was opened before: see [`opened_from`](records::opened_from).
+    /// Rows at the end that are not data because the chamber was opened before: see [`opened_from`](records::opened_from).
     pub opened: Option<Range<usize>>,
-    /// Rows that are no data since the record is not like its repeats, or not like all others.
+    /// Rows that are not data because the record is unlike its repeats, or unlike all others.
     pub unlike_others: Option<Range<usize>>,
-    /// Rows that are no data since the sensor was at an end of its range.
+    /// Rows that are not data because the sensor was at an end of its range.
     pub saturated: Vec<Range<usize>>,
-    /// Standard deviation of the times of the rows, s, where they were read unevenly; else empty.
+    /// Standard deviations of the row times, s, where rows were read unevenly; else empty.
     pub open_s: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ impl Readout {
             && !self.unfollowed.iter().chain(&self.at_gaps).chain(&self.unlike_others).any(|rows| rows.contains(&row))
     }
 
-    /// Whether a filter settles, or the port is shut, only after a row.
+    /// Whether at this row a filter is still settling, or the port is not shut yet.
     #[inline]
     pub fn is_early(&self, row: usize) -> bool {
         row < self.starting

@@ -1,18 +1,18 @@
-//! The readings of a record: all rows, every k-th one, or those of a sensor with a clock of its own.
+//! The readings of a record: all rows, every k-th one, or those taken by the sensor's own clock.
 
 use super::even::{Between, Even};
 
-/// Which rows are readings, be they outliers or not.
+/// Which rows are readings, outliers included.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Readings {
     /// All.
     #[default]
     EveryRow,
-    /// Every k-th one, with rows before which one is missing, ascending: one for each that is.
+    /// Every k-th one, with the rows before which one is missing, ascending, one entry for each missing row.
     AtRows(Even, Vec<usize>),
-    /// Those of a sensor with a clock of its own.
+    /// Those taken by the sensor's own clock.
     ByOwnClock {
-        /// What stands between two readings.
+        /// What the rows between two readings do.
         between: Between,
         /// Rows from one reading to the next.
         period: f64,
@@ -26,14 +26,14 @@ pub enum Readings {
 pub struct Taken {
     /// The first row that shows it.
     pub row: usize,
-    /// When it was taken, s: at that row, or after the one before.
+    /// When it was taken, s: at that row, or between it and the row before.
     pub time_s: f64,
     /// What it read, Pa.
     pub pressure_pa: f64,
 }
 
 impl Readings {
-    /// What stands between two of them.
+    /// What the rows between two readings do.
     pub fn between(&self) -> Between {
         match self {
             Self::EveryRow => Between::Nothing,
@@ -42,7 +42,7 @@ impl Readings {
         }
     }
 
-    /// Rows from one to the next.
+    /// Rows from one reading to the next.
     pub fn period(&self) -> f64 {
         match self {
             Self::EveryRow => 1.0,
@@ -56,18 +56,18 @@ impl Readings {
         *self != Self::EveryRow
     }
 
-    /// Whether those of both are as far apart, to what two records tell of one clock.
+    /// Whether both have the same period, as closely as two records show it of one clock.
     pub fn are_as_slow_as(&self, other: &Self) -> bool {
         const NEARLY: f64 = 0.01;
         (self.period() / other.period() - 1.0).abs() < NEARLY
     }
 
-    /// How many there are in a second where rows come `row_s` apart; `None` where every row is one.
+    /// Readings per second where rows come `row_s` apart; `None` where every row is one.
     pub fn rate_hz(&self, row_s: f64) -> Option<f64> {
         self.are_slow().then(|| 1.0 / (self.period() * row_s))
     }
 
-    /// Whether one is at a row.
+    /// Whether a row is a reading.
     #[inline]
     pub fn are_at(&self, row: usize) -> bool {
         match self {
@@ -77,8 +77,8 @@ impl Readings {
         }
     }
 
-    /// Times, s, and pressures, Pa, of a record's rows with each reading at the time at which it was taken; `None` where that was
-    /// right at the rows.
+    /// Times, s, and pressures, Pa, of a record's rows, with each reading at the time at which it was taken; `None` if all were
+    /// taken right at the rows.
     pub fn at_their_times(&self, time_s: &[f64], pressure_pa: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let own = self.by_own_clock()?;
         let (mut time_s, mut pressure_pa) = (time_s.to_vec(), pressure_pa.to_vec());
@@ -88,7 +88,7 @@ impl Readings {
         Some((time_s, pressure_pa))
     }
 
-    /// Those that were not taken right at the rows.
+    /// Those by the sensor's own clock, which were not taken right at the rows.
     pub fn by_own_clock(&self) -> Option<&[Taken]> {
         match self {
             Self::ByOwnClock { taken, .. } => Some(taken),
@@ -97,7 +97,7 @@ impl Readings {
     }
 }
 
-/// The number of a row of the file among all rows, with those that are missing before it.
+/// Number of a row of the file among all rows, counting those missing before it.
 #[inline]
 pub fn on_grid(row: usize, missing: &[usize]) -> usize {
     row + missing.partition_point(|before| *before <= row)

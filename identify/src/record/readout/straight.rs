@@ -1,7 +1,7 @@
-//! Readings that were interpolated to the rows from a clock of the sensor's own.
+//! Readings interpolated to the rows, at times given by the sensor's own clock.
 //!
-//! Between two readings the rows lie on a straight line. Where two lines meet between two rows, both of these bend, each in proportion
-//! to how near it is to the reading: both together tell when it was. Its pressure is that of the lines there.
+//! Between two readings the rows lie on a straight line. Where two lines meet between two rows, both of these bend, each in
+//! proportion to its nearness to the reading: together they tell its time. Its pressure is that of the lines there.
 
 use super::super::bends::{Bends, MOST_OF_USUAL, scatter};
 use super::beat::{BY_CHANCE, Beat, Mark};
@@ -9,20 +9,20 @@ use super::even::{Between, FEWEST_READINGS, LONGEST};
 use super::uneven::{Reading, Uneven};
 use records::{Line, median};
 
-/// The shortest period, rows: two rows show a line, and some must lie between two that do not bend by a reading.
+/// Shortest period, rows: two rows define a line, and some rows must lie between two that do not bend at a reading.
 const SHORTEST: f64 = 2.2;
-/// Squares of bends that rounding hardly makes, over their usual size.
+/// A squared bend above this multiple of the usual one by rounding is hardly due to rounding.
 const OF_ROUNDING: f64 = 4.0;
-/// Share of the readings whose two bends go the same way, a sensor that changes by a step bends to and fro, ...
+/// Least fraction of the readings whose two bends go the same way (a sensor that changes by a step bends to and fro), ...
 const SAME_WAY: f64 = 0.8;
-/// ...and how many readings must have such, or at the least if the period is known.
+/// ...and least number of readings with such bends; the second number is for a known period.
 const FEWEST_PAIRS: [usize; 2] = [FEWEST_READINGS / 2, FEWEST_READINGS / 4];
-/// How well a beat is known, rows.
+/// Accuracy to which a beat is known, rows.
 const BEAT_KNOWN_TO: f64 = 0.02;
-/// So many rows show that those between the readings lie on straight lines.
+/// Fewest rows that show that those between the readings lie on straight lines.
 const FEWEST_ROWS: usize = 10;
 
-/// The readout of these rows, those that are missing not a number; of a known period if there is one.
+/// Finds the readout of these rows, with NaN for missing ones; `like` is its period, if known.
 pub fn interpolated(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
     let rows = Bent::of(pressure_pa);
     if rows.marks.len() < FEWEST_PAIRS[1] {
@@ -33,20 +33,20 @@ pub fn interpolated(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
         .into_iter()
         .map(|beat| rows.refined(beat))
         .filter(|beat| rows.are_straight_between(*beat, like.is_some()));
-    // All bends of the true period are beside the readings of a divisor of it, too.
+    // All bends of the true period also lie beside the readings of a divisor of it.
     let beat = kept.max_by(|a, b| a.period.total_cmp(&b.period))?;
     Some(Uneven { between: Between::Interpolated, period: beat.period, readings: readings(pressure_pa, beat) })
 }
 
 /// Rows and how they bend.
 struct Bent {
-    /// Second difference of each inner row, from the second row on, not a number where a row is missing.
+    /// Second differences of the inner rows, from the second row on; NaN where a row is missing.
     bends: Vec<f64>,
-    /// Squares of those, the largest cut down.
+    /// Their squares, the largest cut down.
     squares: Vec<f64>,
-    /// Rows that bend by more than rounding makes them, and the square of their bends.
+    /// Rows that bend by more than rounding makes them, with the squares of their bends.
     marks: Vec<Mark>,
-    /// Square of a bend that rounding makes.
+    /// Square of a bend due to rounding.
     rounding: f64,
 }
 
@@ -62,14 +62,14 @@ impl Bent {
         Self { bends, squares, marks, rounding }
     }
 
-    /// The bends of the rows before and after a time, if no row beside them is missing, and the former row.
+    /// The row before a time, with the bends of the rows before and after it, if no row beside them is missing.
     fn beside(&self, at: f64) -> Option<(usize, [f64; 2])> {
         let row = at.floor().max(0.0) as usize;
         let bend = |row: usize| self.bends.get(row.checked_sub(1)?).copied().filter(|bend| !bend.is_nan());
         Some((row, [bend(row)?, bend(row + 1)?]))
     }
 
-    /// The beat that fits the readings as the bends beside them tell when each was.
+    /// Refines the beat to the reading times that the bends beside them tell.
     fn refined(&self, mut beat: Beat) -> Beat {
         const ROUNDS: usize = 3;
         let most = self.squares.iter().copied().fold(0.0, f64::max);
@@ -95,11 +95,11 @@ impl Bent {
         (beat.nearest(0.0) as i64..=last).map(|k| k as f64)
     }
 
-    /// Whether nothing but the rows beside such readings bends, and these do, as a meeting of two lines does.
+    /// Whether only the rows beside such readings bend, and as the meeting of two lines does.
     fn are_straight_between(&self, beat: Beat, is_known: bool) -> bool {
-        /// Mean square at the other rows over that beside readings, where rows are not rounded.
+        /// Largest mean square at the other rows over that beside readings, where rows are not rounded.
         const SMALL: f64 = 0.01;
-        /// The same at the least, where rounding hides part of it.
+        /// The same where rounding hides part of it.
         const CLEAR: f64 = 0.3;
         if beat.period < SHORTEST {
             return false;
@@ -131,7 +131,7 @@ impl Bent {
         is_straight && chance < BY_CHANCE[known] && self.bend_one_way(beat, FEWEST_PAIRS[known]) && !scatter()
     }
 
-    /// Whether there are so many readings beside which both rows bend, and hardly any of these bend to and fro.
+    /// Whether at least `fewest` readings have both rows beside them bent the same way, and hardly any bent to and fro.
     fn bend_one_way(&self, beat: Beat, fewest: usize) -> bool {
         let is_bent = |bend: &f64| bend * bend > OF_ROUNDING * self.rounding.max(f64::MIN_POSITIVE);
         let clear = BEAT_KNOWN_TO..1.0 - BEAT_KNOWN_TO;
@@ -147,7 +147,7 @@ impl Bent {
     }
 }
 
-/// The readings at these beats, each where the lines before and behind it meet.
+/// The readings at these beats, each where the lines before and after it meet.
 fn readings(pressure_pa: &[f64], beat: Beat) -> Vec<Reading> {
     let last = pressure_pa.len() - 1;
     let beats = beat.nearest(0.0) as i64..=beat.nearest(last as f64) as i64;
@@ -165,7 +165,8 @@ fn readings(pressure_pa: &[f64], beat: Beat) -> Vec<Reading> {
     beats.filter(|k| (0.0..=last as f64).contains(&beat.at(*k as f64))).filter_map(reading).collect()
 }
 
-/// What the line through the rows between two times has at a time, and the variance of that over a row's; none of fewer than two rows.
+/// Value at a time of the line through the rows between two times, and its variance over that of a row; none for fewer than two
+/// rows.
 fn line_at(pressure_pa: &[f64], [from, to]: [f64; 2], at: f64) -> Option<(f64, f64)> {
     let end = ((to.floor() + 1.0).max(0.0) as usize).min(pressure_pa.len());
     let rows = (from.ceil().max(0.0) as usize..end).filter(|row| !pressure_pa[*row].is_nan());

@@ -1,4 +1,4 @@
-//! Readings by a clock of the sensor's own, whose period is no whole number of rows.
+//! Readings by the sensor's own clock, whose period is no whole number of rows.
 
 use super::even::Between;
 
@@ -7,20 +7,20 @@ use super::even::Between;
 pub struct Reading {
     /// The first row that shows it.
     pub row: usize,
-    /// When it was read, in rows: in that row, or less than one before it.
+    /// When it was read, in rows: at that row, or less than one row before.
     pub at: f64,
     /// Pa.
     pub pressure_pa: f64,
 }
 
-/// All of them, ascending.
+/// All of these readings, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uneven {
-    /// What stands between two readings.
+    /// What the rows between two readings do.
     pub between: Between,
     /// Rows from one reading to the next.
     pub period: f64,
-    /// Each in a row of its own.
+    /// The readings, each in a different row.
     pub readings: Vec<Reading>,
 }
 
