@@ -1,10 +1,10 @@
-//! Bends of a column: where its rows do not lie on straight lines, as those between the readings of an interpolated one do.
+//! Bends of a column: where its rows do not lie on straight lines, as the rows between readings of an interpolated one do.
 //! Pressures in Pa, positions in µm.
 
 use super::lattice::{self, lattice};
 use records::median;
 
-/// A bend's square over the usual one of a reading, at the most.
+/// Largest square of a bend that counts, over the usual one of a reading.
 pub const MOST_OF_USUAL: f64 = 25.0;
 
 /// Squares of the second differences of a column's rows, from the second row on.
@@ -13,15 +13,15 @@ pub struct Bends {
     pub squares: Vec<f64>,
     /// Those that are not zero, the largest first.
     largest: Vec<f64>,
-    /// What rounding may make of them.
+    /// Square of a bend due to rounding.
     pub rounding: f64,
 }
 
-/// Whether rows between readings, of which these are the squared bends, have a noise of their own, as those between the corners of a
-/// triangle have: then they are readings too. Rounding bends a straight line by one step at the most; where rows have no steps, all that
-/// bends it is that they do not come evenly while the column changes.
+/// Whether rows between readings, with these squared bends, have noise of their own, like those between the corners of a
+/// triangle: then they are readings too. Rounding bends a straight line by at most one step; where rows have no steps, only their
+/// uneven timing bends it while the column changes.
 pub fn scatter(squares: impl Iterator<Item = f64>, rounding: f64) -> bool {
-    /// The square of one and a half steps, over what rounding makes.
+    /// Square of one and a half steps, over that due to rounding.
     const OF_ROUNDING: f64 = 3.0;
     let share = if rounding > 0.0 { 0.05 } else { 0.75 };
     let (mut rows, mut scattered) = (0usize, 0usize);
@@ -33,20 +33,20 @@ pub fn scatter(squares: impl Iterator<Item = f64>, rounding: f64) -> bool {
 }
 
 impl Bends {
-    /// Of a column's rows; one that is no number, and those beside it, show no bend.
+    /// From a column's rows; one that is NaN, and those beside it, show no bend.
     pub fn of(rows: &[f64]) -> Self {
-        /// Bends below this are rounding of the arithmetic, Pa.
+        /// Smaller bends are arithmetic rounding, Pa.
         const NOTHING: f64 = 1e-6;
         let size = |w: &[f64]| Some((w[0] - 2.0 * w[1] + w[2]).abs()).filter(|size| *size > NOTHING);
         let bends: Vec<Option<f64>> = rows.windows(3).map(size).collect();
-        // On straight lines the rounding is all that bends; the slopes themselves need not differ by single steps. Where they
-        // do, they show the sensor's steps also in a file with digits of its own, which bends where the steps do not.
+        // On straight lines only rounding bends; the slopes need not differ by single steps. Where they do, they also show the
+        // sensor's steps in a file whose digits are rounded differently, which bends where the steps do not.
         let steps = lattice::of_changes(rows, NOTHING);
         let step = lattice(&mut bends.iter().copied().flatten().collect::<Vec<f64>>()).max(steps);
         let squares: Vec<f64> = bends.into_iter().map(|bend| bend.map_or(0.0, |size| size * size)).collect();
         let mut largest: Vec<f64> = squares.iter().copied().filter(|s| *s > 0.0).collect();
         largest.sort_unstable_by(|a, b| b.total_cmp(a));
-        // Rounding passes a second difference with variance 6 step²/12.
+        // Rounding gives a second difference the variance 6 step²/12.
         Self { squares, largest, rounding: 1.5 * 0.5 * step * step }
     }
 
@@ -55,7 +55,7 @@ impl Bends {
         self.squares.iter().skip(row).step_by(period).copied()
     }
 
-    /// Where the readings of that period begin if they bend most, and the square that none of them is to count beyond.
+    /// Where the readings of this period begin if they bend most, and the limit for the square of each of them.
     pub fn largest(&self, period: usize) -> Option<(usize, f64)> {
         let most = MOST_OF_USUAL * self.largest.get(self.squares.len() / (2 * period)).or(self.largest.last())?;
         let sum = |first: &usize| self.at(period, *first).map(|s| s.min(most)).sum::<f64>();
@@ -63,20 +63,21 @@ impl Bends {
         Some((first, most))
     }
 
-    /// Median square at those readings: a sensor that sticks to its steps bends here and there, an interpolated one at nearly every
-    /// reading.
+    /// Median square at those readings: a sensor that sticks to its steps bends only here and there, an interpolated one at
+    /// nearly every reading.
     pub fn usual(&self, period: usize, first: usize) -> f64 {
         median(self.at(period, first).collect::<Vec<f64>>())
     }
 
-    /// How far those readings stand out of the rows between them, which lie on straight lines; `None` where they do not. No square
-    /// counts for more than `most`.
+    /// How far those readings stand out from the rows between them, which lie on straight lines; `None` if they do not. Squares
+    /// are limited to `most`.
     pub fn stand_out(&self, period: usize, first: usize, most: f64) -> Option<f64> {
-        /// Mean square at the other rows over that at the readings, where rows are not rounded.
+        /// Largest mean square at the other rows over that at the readings, where rows are not rounded.
         const SMALL: f64 = 0.01;
-        /// The same at the least, where rounding hides part of it...
+        /// The same where rounding hides part of it...
         const CLEAR: f64 = 0.6;
-        /// ...and standard deviations by which the readings' sum is above the other rows': the best of many periods and begins.
+        /// ...and standard deviations by which the readings' sum exceeds the other rows': the best of many periods and starts is
+        /// taken.
         const DEVIATIONS: f64 = 8.0;
         let [mut sum, mut squares] = [0.0; 2];
         for square in self.squares.iter().map(|s| s.min(most)) {

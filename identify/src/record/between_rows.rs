@@ -1,36 +1,36 @@
-//! What the rows of a move leave open of the stroke between them, where a model looks there.
+//! Uncertainty of the stroke between the rows of a move, where a model evaluates it there.
 //!
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
-//! through the rows may miss it, and so does one between two readings of a position that is not read at every row. How far is
-//! told by how far a row lies from the cubic through the two rows on either side of it: of a corner in the stroke the curve
-//! through all rows misses a quarter of that, of anything smoother less (1/64 of a fourth power). So much is stated, zero at the
-//! rows and largest half way between them, of moves of few rows. A low-pass taken back adds its time constant times the slope: of
-//! any move, and at the rows too, it shows by how much the curve's slope is off, and the positions' noise in that.
+//! through the rows may miss it; so does a reading between two readings of a position that is not read at every row. The distance
+//! of a row from the cubic through the two rows on either side tells the error: at a corner of the stroke the curve through all
+//! rows misses a quarter of it, elsewhere less (1/64 for a fourth power). This is stated as the error of moves of few rows, zero
+//! at the rows and largest half way between them. Taking back a low-pass adds its time constant times the slope: in any move, and
+//! at the rows too, this adds the error of the curve's slope and that of the positions' noise in it.
 //! Position in m, time in s.
 
 use crate::record::stroke::{Motion, Phase, Segment};
 
-/// Share of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
+/// Fraction of a row's distance from the cubic through its neighbours that the curve through all rows may miss.
 const MISSED: f64 = 0.25;
-/// Deviation of a spline's slope at its knots by their noise, over that and their distance: √(9 ⟨sin²/(2 + cos)²⟩).
+/// Standard deviation of a spline's slope at its knots, over that of the knots divided by their distance: √(9 ⟨sin²/(2 + cos)²⟩).
 const SLOPE_OF_NOISE: f64 = 1.18;
-/// Variance that a position's noise gives that distance: weights 1, 4/6, 4/6, 1/6, 1/6.
+/// Variance of that distance due to a position's noise, over that of the noise: weights 1, 4/6, 4/6, 1/6, 1/6.
 pub const OF_NOISE: f64 = 1.0 + (16.0 + 16.0 + 1.0 + 1.0) / 36.0;
-/// Rows of a move up to which the way between two of them matters.
+/// Most rows of a move for which the stroke between two of them matters.
 const FEW: usize = 20;
-/// Parts of a gap between two rows that a lag is followed through.
+/// Parts of a gap between two rows in which a lag is integrated.
 const PARTS: usize = 8;
-/// Gaps so many time constants ago are forgotten.
+/// A gap is forgotten after this many time constants.
 const REMEMBERED: f64 = 8.0;
 
-/// How a model's reading looks at the recorded stroke.
+/// How a model's reading depends on the recorded stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
-    /// Window that the stroke is taken to have been averaged over, s.
+    /// Window over which the stroke is assumed to have been averaged, s.
     pub window_s: f64,
     /// Time constant of the low-pass that the pressure has passed, s.
     pub lag_s: f64,
-    /// How much earlier than the reading the stroke is that it shows, s.
+    /// How much earlier than the reading the stroke that it shows is, s.
     pub late_s: f64,
     /// Time constant of the low-pass that the recorded stroke has passed, s.
     pub filter_s: f64,
@@ -41,47 +41,47 @@ pub struct Look {
 struct Gap {
     from_s: f64,
     to_s: f64,
-    /// What the curve may miss half way, m.
+    /// Error of the curve half way, m.
     error_m: f64,
     /// Rows in it, which share an error of the slope and count as one reading.
     rows: f64,
-    /// Deviation of the positions, m.
+    /// Standard deviation of the positions, m.
     noise_m: f64,
 }
 
 impl Gap {
-    /// How far the stroke behind a low-pass may be off there, m: the curve's error, and its rate.
+    /// Error of the stroke behind a low-pass at a time in the gap, m, from the errors of the curve and of its slope.
     fn error_at(&self, time: f64, filter_s: f64) -> f64 {
         let length = self.to_s - self.from_s;
         let u = ((time - self.from_s) / length).clamp(0.0, 1.0);
         let by_slope = 4.0 * self.error_m / length * (1.0 - 2.0 * u).abs() * self.rows.sqrt();
         let missed = 4.0 * self.error_m * u * (1.0 - u) + filter_s * by_slope;
-        // That of a knot is the mean of the rows in a gap, which share it.
+        // The noise of a knot is that of the mean of the rows in a gap, which share it.
         missed.hypot(filter_s * SLOPE_OF_NOISE * self.noise_m / length)
     }
 }
 
-/// The gaps of a record's moves, as a look sees them.
+/// The gaps of a record's moves, and how the readings depend on them.
 pub struct BetweenRows {
     gaps: Vec<Gap>,
     look: Look,
-    /// Rows that share an error count as one reading.
+    /// Square root of the number of rows that share an error and count as one reading.
     shared: f64,
 }
 
 impl BetweenRows {
-    /// Of a record whose readings look at the stroke like that.
+    /// For a record whose readings depend on the stroke like this.
     pub fn new(motion: &Motion, look: Look) -> Self {
         let is_read_seldom = motion.rows_per_reading > 1;
         let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0 || is_read_seldom;
         let moves = motion.segments.iter().filter(|s| looks_between && s.phase == Phase::Move);
-        // A straight line has its corners where they are; of a longer move the way between two rows is a small part.
+        // A straight line has exact corners; in a longer move the travel between two rows is a small part.
         let is_open = |s: &&Segment| !s.stroke.is_line() && (look.filter_s > 0.0 || s.stroke.knots_inside() <= FEW);
         let gaps = moves.filter(is_open).flat_map(|s| gaps(s, motion)).collect();
         Self { gaps, look, shared: (1.0 + look.lag_s / motion.row_s()).sqrt() }
     }
 
-    /// How far the stroke that a reading at that time shows may be off, m.
+    /// Error of the stroke that a reading at a time shows, m.
     pub fn error_m(&self, time: f64) -> f64 {
         let Look { lag_s, late_s, filter_s, .. } = self.look;
         let shown = time - late_s;
@@ -95,7 +95,7 @@ impl BetweenRows {
     }
 }
 
-/// What a lag of that time constant keeps at `shown` of a gap's error, m.
+/// What a lag of this time constant retains at `shown` of a gap's error, m.
 fn weighted(gap: &Gap, shown: f64, lag_s: f64, filter_s: f64) -> f64 {
     let kept = |time: f64| (-(shown - time.min(shown)) / lag_s).exp();
     let length = (gap.to_s - gap.from_s) / PARTS as f64;
@@ -133,7 +133,7 @@ fn gaps(segment: &Segment, motion: &Motion) -> Vec<Gap> {
     (1..n).map(gap).collect()
 }
 
-/// The cubic through four points.
+/// Value at `at` of the cubic through four points.
 pub fn cubic(points: [(f64, f64); 4], at: f64) -> f64 {
     let weight = |i: usize| -> f64 {
         (0..4).filter(|&j| j != i).map(|j| (at - points[j].0) / (points[i].0 - points[j].0)).product()
@@ -148,8 +148,8 @@ mod tests {
 
     const ROW: f64 = 0.01;
 
-    /// Strokes of a few rows: one of constant acceleration and deceleration, one as smooth as can be, one that begins with a
-    /// corner and tends to its end.
+    /// Strokes of a few rows: one of constant acceleration and deceleration, a very smooth one, and one that begins with a corner
+    /// and approaches its end.
     fn strokes() -> [fn(f64) -> f64; 3] {
         [
             |t| {
@@ -210,18 +210,18 @@ mod tests {
                 let between = BetweenRows::new(&motion, Look { filter_s: FILTER_S, ..Look::default() });
                 let near = Cell::new(0);
                 let push = motion.segments.iter().find(|s| s.phase == Phase::Move).unwrap();
-                // Rows between two knots share their error, and each of them counts as if it were alone.
+                // Rows between two knots share their error; each of them counts as if it were alone.
                 let sharing = [1.0, (push.end - push.first) as f64 / push.stroke.knots().0.len() as f64];
                 for t in time.iter().filter(|t| **t > begin - 0.1 && **t < begin + 0.6) {
                     let (place, speed) = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near);
-                    // Near a corner, and where only noise is left.
+                    // Near a corner, and elsewhere, where only noise is left.
                     let part = usize::from((t - begin).abs() > 0.03 && (t - begin - 0.3).abs() > 0.03);
                     off[part] += sharing[part] * (place + FILTER_S * speed - ramp(t - begin)).powi(2);
                     stated[part] += between.error_m(*t).powi(2);
                 }
             }
             let ratios: Vec<f64> = off.iter().zip(stated).map(|(off, stated)| (off / stated).sqrt()).collect();
-            // Where a curve bends gently, less is missed than of a corner.
+            // Where a curve bends gently, less is missed than at a corner.
             let [at_corners, between_them] = [ratios[0], ratios[1]];
             assert!((0.2..1.5).contains(&at_corners) && (0.1..1.5).contains(&between_them), "{row_s}: {ratios:?}");
         }
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn only_moves_of_few_rows_leave_a_stroke_between_them_open() {
-        // Constant acceleration and deceleration over so many rows.
+        // Constant acceleration and deceleration over this many rows.
         let open = |rows: f64| {
             let stroke = |t: f64| {
                 let u = (t / (rows * ROW)).clamp(0.0, 1.0);
@@ -257,7 +257,7 @@ mod tests {
         };
         assert!(open(6.0) > 1e-4, "{}", open(6.0));
         assert_eq!(open(40.0), 0.0);
-        // Nor where no row is farther from the next than a hundredth of the way.
+        // Nor where no row is farther from the next than a hundredth of the travel.
         assert_eq!(open(290.0), 0.0);
     }
 

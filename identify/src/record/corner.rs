@@ -1,9 +1,9 @@
-//! The corner at which a piston leaves a hold at once, or is stopped.
+//! The corner at which a piston leaves a hold abruptly, or is stopped.
 //!
-//! A curve through the rows that meets the hold with the hold's own speed rounds such a corner off, by up to a tenth of what the piston
-//! goes from row to row, and dead volumes and lags make it up. The rows beside a move's end are compared with two curves that begin at
-//! an unknown moment between rows: u (v + a u + b u² + …), a corner, and u² (a + b u + c u² + …), a gentle start; u is the time since
-//! then. There is a corner where the first goes through the rows as closely as their noise lets it and the second, of as many
+//! A curve through the rows that meets the hold with the hold's own speed rounds such a corner off, by up to a tenth of the
+//! travel from row to row, and dead volumes and lags make up for it. The rows beside a move's end are compared with two curves
+//! that begin at an unknown time between rows: u (v + a u + b u² + …), a corner, and u² (a + b u + c u² + …), a gentle start; u
+//! is the time since then. There is a corner if the first fits the rows to within their noise and the second, with as many
 //! coefficients, clearly does not.
 //! Positions in m, times in s.
 
@@ -12,26 +12,26 @@ use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// So many rows, one behind the other, that all stand off the hold by so many deviations are under way.
+/// The move is under way from this many successive rows on that are all off the hold by this many standard deviations.
 const UNDER_WAY: (usize, f64) = (2, 5.0);
-/// Rows under way through which the curves go: as many as a curve with a corner follows.
+/// Numbers of rows under way that are tried: the largest that a curve with a corner follows is taken.
 const ROWS: [usize; 10] = [384, 192, 96, 64, 48, 32, 24, 16, 12, 8];
-/// Coefficients of a curve: no more than the rows ask for.
+/// Numbers of coefficients of a curve that are tried: no more than the rows require.
 const COEFFICIENTS: std::ops::RangeInclusive<usize> = 3..=MOST;
 const MOST: usize = 6;
-/// Rows under way beyond the coefficients.
+/// Least number of rows under way in excess of the coefficients.
 const SPARE: usize = 3;
-/// Rows before those that the curves go through too.
+/// Most rows before those under way that are included in the fit.
 const BEFORE: usize = 1000;
-/// Squares over the noise's own, in their standard deviations, that a curve may leave of the rows under way.
+/// Excess of the squares that a curve may leave of the rows under way, in standard deviations of the noise's own.
 const DEVIATIONS: f64 = 1.0;
-/// Squares that a gentle start leaves beyond those of a corner where there is one: one in two million is as far off by chance.
+/// Squares that a gentle start leaves beyond those of a true corner: exceeded by chance once in two million.
 const CLEAR: f64 = 25.0;
-/// Time from a corner to the first row that a curve goes through, in rows: the noise of one right behind it would shake the speed.
+/// Time from a corner to the first row that a curve uses, in rows: the noise of a row right behind it would shake the speed.
 const BEHIND: f64 = 0.5;
 
-/// The hold that a move leaves, moved on to the corner where it does so at once. The move's rows then begin with the corner, and the
-/// first ones lie on the curve from there on, since each of them alone is as far off as the noise.
+/// The hold that a move leaves, extended to the corner if it leaves abruptly. The move's rows then begin with the corner, and the
+/// first ones are put on the curve, since each of them alone is off by the noise.
 pub fn at_begin(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, noise_m: f64) -> Held {
     let off: Vec<f64> = time_s.iter().zip(position_m.iter()).map(|(t, x)| x - held.at(*t)).collect();
     let begin = corner(time_s, &off, noise_m).map(|corner| {
@@ -49,7 +49,7 @@ pub fn at_begin(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, no
     held
 }
 
-/// The same of the hold that a move ends in, and of the move's end.
+/// The same for the hold in which a move ends, and the move's end.
 pub fn at_end(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, noise_m: f64) -> Held {
     let turned = |held: Held| Held { time_s: -held.time_s, speed: -held.speed, ..held };
     let turn = |time_s: &mut Vec<f64>, position_m: &mut Vec<f64>| {
@@ -63,18 +63,18 @@ pub fn at_end(held: Held, time_s: &mut Vec<f64>, position_m: &mut Vec<f64>, nois
     held
 }
 
-/// Where a move begins at once, and how it goes on from the hold.
+/// Where a move begins abruptly, and its course from the hold.
 struct Corner {
     /// Time, s.
     time_s: f64,
-    /// Distance from the hold by the powers of the time since then, m/s and on.
+    /// Coefficients of the distance from the hold by powers of the time since then, from m/s on.
     powers: [f64; MOST],
-    /// One past the last row that lies on this curve for certain.
+    /// One past the last row that is certain to lie on this curve.
     followed: usize,
 }
 
 impl Corner {
-    /// Speed there over that of the hold, m/s.
+    /// Speed there relative to the hold, m/s.
     fn speed(&self) -> f64 {
         self.powers[0]
     }
@@ -85,8 +85,8 @@ impl Corner {
     }
 }
 
-/// The corner between a hold and a move, if there is one: by the move's rows from the hold on, whose times grow, and their distances
-/// from where the hold leads, m.
+/// The corner between a hold and a move, if there is one, from the move's rows, whose times increase from the hold on, and their
+/// distances from the extended hold, m.
 fn corner(time_s: &[f64], off_m: &[f64], noise_m: f64) -> Option<Corner> {
     let is_off = |rows: &[f64]| rows.iter().all(|off| off.abs() > UNDER_WAY.1 * noise_m);
     let begun = off_m.windows(UNDER_WAY.0).position(is_off).filter(|begun| *begun > 0)?;
@@ -118,7 +118,7 @@ struct Rows<'a> {
     noise_m: f64,
 }
 
-/// Powers of the time since a curve begins that it consists of.
+/// Powers of the time since its begin that a curve consists of.
 #[derive(Clone, Copy)]
 struct Form {
     lowest: usize,
@@ -128,18 +128,18 @@ struct Form {
 /// A curve that leaves the hold.
 struct Curve {
     begin_s: f64,
-    /// Its coefficients, from the lowest power on, with the time in s.
+    /// Its coefficients, from the lowest power on, with time in s.
     powers: [f64; MOST],
-    /// Rows behind its start.
+    /// Rows behind its begin.
     under_way: usize,
-    /// Squares of their distances from it over their noise, ...
+    /// Squares of their distances from it, over their noise, ...
     squares_under_way: f64,
-    /// ...and of those of all rows, before it from the hold.
+    /// ...and those of all rows, from the hold before it.
     squares: f64,
 }
 
 impl Curve {
-    /// Whether the rows under way are as near to it as noise puts them, where it has so many coefficients.
+    /// Whether the rows under way are as near to it as noise allows, for this number of coefficients.
     fn is_within_noise(&self, coefficients: usize) -> bool {
         let free = self.under_way.saturating_sub(coefficients + 1).max(1) as f64;
         self.squares_under_way < free + DEVIATIONS * (2.0 * free).sqrt()
@@ -147,7 +147,7 @@ impl Curve {
 }
 
 impl Rows<'_> {
-    /// The curve that comes nearest to the rows, of those of that form that begin between two moments.
+    /// The curve of this form nearest to the rows among those that begin between two times.
     fn nearest(&self, form: Form, moments: Range<f64>) -> Curve {
         const PARTS: usize = 40;
         const HALVINGS: usize = 12;
@@ -163,7 +163,7 @@ impl Rows<'_> {
         })
     }
 
-    /// The curve that begins at that moment.
+    /// Fits the curve that begins at a given time.
     fn curve(&self, Form { lowest, coefficients }: Form, begin_s: f64) -> Curve {
         let first = self.time_s.partition_point(|t| *t <= begin_s);
         let scale = self.time_s[self.time_s.len() - 1] - begin_s;
@@ -175,7 +175,7 @@ impl Rows<'_> {
             )
         };
         let rows = || self.time_s[first..].iter().zip(&self.off_m[first..]);
-        // Ones in place of the powers that are not asked for.
+        // Ones in place of unused powers.
         let unused = SMatrix::from_fn(|i, j| if i == j && i >= coefficients { 1.0 } else { 0.0 });
         let sums = (unused, SVector::<f64, MOST>::zeros());
         let (square, right) = rows().fold(sums, |(square, right), (t, off)| {

@@ -1,9 +1,9 @@
-//! What the piston and the surroundings do along a record: stroke, m, temperature, K, and pressure, Pa, of the surroundings, and a
-//! mass flow, kg/s, where one is recorded.
+//! What the piston and the surroundings do along a record: stroke, m, temperature, K, and pressure, Pa, of the surroundings, and
+//! the mass flow, kg/s, if one is recorded.
 
 use crate::record::stroke::{Motion, Spline};
 
-/// What the surroundings do along a record.
+/// Course of the piston and the surroundings along a record.
 #[derive(Clone, Debug)]
 pub struct Course {
     /// Stroke of the piston over time.

@@ -1,17 +1,17 @@
-//! The dead volume that a fit begins with, where the rig file states none: small beside the volume that is swept or, where the
-//! positions count from near the end of the travel, that which the pressures before and after the moves speak for.
+//! First guess of the dead volume, where the rig file states none: small compared with the swept volume or, where positions near
+//! the end of the travel count from about zero, from the pressures before and after the moves.
 
 use crate::record::data::{Prepared, smallest_position};
 use records::extremes;
 
-/// Of the smallest swept volume.
+/// First guess, over the smallest swept volume or the travel.
 const SHARE: f64 = 0.05;
-/// Positions that come nearer to zero than this share of their travel count from elsewhere than the chamber's end.
+/// Positions nearer to zero than this fraction of their travel are not counted from the chamber's end.
 const NEAR_ZERO: f64 = 0.05;
-/// So much of the travel is left at the smallest position, at the least.
+/// Least length of gas at the smallest position, as a fraction of the travel.
 const LEAST_LEFT: f64 = 0.02;
 
-/// A first guess of the dead volume, m³, that leaves some volume at the smallest position.
+/// First guess of the dead volume, m³, which leaves some volume at the smallest position.
 pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
     let smallest = smallest_position(traces);
     let positions = traces.iter().map(|t| extremes(&t.position_m));
@@ -25,10 +25,10 @@ pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
     piston_area_m2 * length.max(LEAST_LEFT * travel - smallest)
 }
 
-/// The length of cylinder that the dead volume has if the gas is as warm at the end of a record as at its start:
-/// P0 (x0 + l) = P1 (x1 + l), m.
+/// Dead volume as a length of cylinder, m, if the gas is as warm at the end of a record as at its start: P0 (x0 + l) = P1 (x1 +
+/// l).
 fn by_pressures(trace: &Prepared) -> Option<f64> {
-    /// A change of pressure below this share tells nothing of a volume.
+    /// A smaller relative change of pressure tells nothing about a volume.
     const LEAST_CHANGE: f64 = 0.1;
     let motion = &trace.course.motion;
     let (begin_s, end_s) = motion.extent();

@@ -1,10 +1,10 @@
 //! Gaps: rows that a logger lost while the piston moved.
 //!
-//! A step of time far longer than those around it hides what the piston did in it: a smooth curve through the rows on either side
-//! may be metres per second off. Behind the gap the volume is known again, and so is the gas's mass, which a closed chamber keeps;
-//! only the heat that the gas exchanged meanwhile is not. The stroke in a gap is therefore any that the piston may have made, and
-//! the gas's temperature at its end is a number of the record ([`crate::parameters::Own::BehindGap`]). Nor are a few rows on either
-//! side data: there a sensor that is late, or lags, shows what happened in the gap.
+//! A time step far longer than those around it hides what the piston did in it: a smooth curve through the rows on either side
+//! may be off by metres per second. Behind the gap the volume is known again, and so is the gas's mass, which a closed chamber
+//! keeps; only the heat exchanged in the gap is not. The stroke in a gap is therefore any that the piston may have made, and the
+//! gas's temperature at its end is a per-record parameter ([`crate::parameters::Own::BehindGap`]). A few rows on either side are
+//! not data either: there a sensor that is late, or lags, shows what happened in the gap.
 //! Position in m, time in s.
 
 use crate::policy;
@@ -18,29 +18,29 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::path::Path;
 
-/// Gaps of a record at the most: what is behind one more is left out.
+/// Most gaps of a record: what follows a further one is left out.
 pub const MOST: usize = 4;
-/// A part of fewer rows between two gaps, or behind the last one, belongs to them.
+/// A part with fewer rows between two gaps, or behind the last one, belongs to them.
 const FEWEST_ROWS: usize = 20;
 /// A part with fewer readings of the position shows no stroke.
 const FEWEST_READINGS: usize = 12;
-/// Rows before a gap that are no data, and rows behind it: a model that lacks a delay or a lag errs there.
+/// Rows before and behind a gap that are not data: a model that lacks a delay or a lag errs there.
 const AROUND: [usize; 2] = [8, 16];
-/// Steps of time on either side that a longer one is compared with.
+/// Time steps on either side that a longer one is compared with.
 const STEPS_BESIDE: usize = 15;
 /// Rows that show the piston's speed before a gap and behind it.
 const ROWS_OF_SPEED: usize = 4;
-/// A way of so many standard deviations of the position's noise is one.
+/// A displacement of this many standard deviations of the position noise is real.
 const DEVIATIONS: f64 = 5.0;
 
-/// The stroke of a record, followed on either side of its gaps.
+/// The stroke of a record, determined separately on either side of its gaps.
 pub fn motion(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Motion {
     let parts = parts(time_s, position_m, positions);
-    // A record whose first part shows no stroke is left as it is.
+    // A record whose first part shows no stroke is not divided.
     if parts.first().is_none_or(|first| first.start > 0 || first.end == time_s.len()) {
         return Motion::through(time_s, position_m, positions);
     }
-    // A part may have too few rows at rest to show it.
+    // A part may have too few rows at rest to show the noise.
     let noise_m = position_noise(&positions.readings(position_m));
     let travel = extremes(position_m);
     let mut whole: Option<Motion> = None;
@@ -77,10 +77,10 @@ fn lost(rows: Range<usize>, stroke: Spline) -> Segment {
     Segment { phase: Phase::Move, lost: true, first: rows.start, end: rows.end, from_s, to_s, stroke, shift_s: 0.0 }
 }
 
-/// The stroke taken for a gap: on from the speed before it and into that behind it, as far as that does not lead out of where the
-/// piston goes in the record, and a straight line where it does.
+/// The stroke assumed in a gap: it joins the speeds before and behind the gap, reduced if it would otherwise leave the range of
+/// the record's positions, and is a straight line if that does not suffice.
 fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
-    /// Of its travel: so far out the piston may go.
+    /// Distance by which the piston may leave that range, as a fraction of it.
     const OUT: f64 = 0.02;
     const HALVINGS: i32 = 8;
     const LOOKED_AT: u32 = 32;
@@ -111,20 +111,20 @@ fn held(segment: &Segment, time_s: f64) -> Held {
     Held { time_s, position_m, speed, at_once: false }
 }
 
-/// The gaps with rows behind them.
+/// The gaps that have rows behind them.
 pub fn of(motion: &Motion) -> impl Iterator<Item = &Segment> {
     let all_but_last = &motion.segments[..motion.segments.len() - 1];
     all_but_last.iter().filter(|s| s.lost)
 }
 
-/// Rows that are no data for a motion's gaps.
+/// Rows that are not data because of a motion's gaps.
 pub fn rows(motion: &Motion) -> Vec<Range<usize>> {
     let [before, behind] = AROUND;
     let lost = motion.segments.iter().filter(|s| s.lost);
     lost.map(|s| s.first.saturating_sub(before)..s.end + behind).collect()
 }
 
-/// What the gaps of a record are, in a sentence that names the lines around them and the seconds; `None` without any.
+/// States the gaps of a record in a sentence that gives the lines around them and the seconds; `None` without any.
 pub fn sentence(path: &Path, motion: &Motion, lines: &LineNumbers, time_s: &[f64]) -> Option<String> {
     let gap = |s: &Segment| from_to([s.first - 1, s.end.min(time_s.len() - 1)], lines, time_s);
     let gaps: Vec<String> = motion.segments.iter().filter(|s| s.lost).map(gap).collect();
@@ -137,7 +137,7 @@ pub fn sentence(path: &Path, motion: &Motion, lines: &LineNumbers, time_s: &[f64
     })
 }
 
-/// The parts of a record that its gaps leave, each of enough rows.
+/// The parts of a record between its gaps that have enough rows.
 fn parts(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Vec<Range<usize>> {
     let cuts = cuts(time_s, position_m);
     let begins = std::iter::once(0).chain(cuts.iter().copied());
@@ -151,7 +151,7 @@ fn parts(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Vec<Range
 fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
     let steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(steps.clone());
-    // Most steps are no longer than that, and need no closer look.
+    // Most steps are no longer than that, and are not examined further.
     let is_long = |k: &usize| {
         steps[*k] > policy::GAP_STEPS * usual && {
             let beside = [k.saturating_sub(STEPS_BESIDE)..*k, k + 1..(k + 1 + STEPS_BESIDE).min(steps.len())];
@@ -169,7 +169,7 @@ fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
             let way = (position_m[to] - position_m[from]).abs();
             if way > least_m { way } else { 0.0 }
         };
-        // The way in the gap, or that which the speed on either side of it makes there.
+        // The displacement in the gap, or the one that the speed on either side would make there.
         let goes_on = |from: usize, to: usize| way(from, to) * steps[*k] / (time_s[to] - time_s[from]);
         let before = goes_on(k - ROWS_OF_SPEED, *k);
         let to = (k + 1 + ROWS_OF_SPEED).min(time_s.len() - 1);
@@ -263,7 +263,7 @@ mod tests {
         for t in [1.55, 1.7, 1.85] {
             assert!((gap.stroke.at(t, &near).0 - sine(t)).abs() < 3e-4, "{t}");
         }
-        // From the speed of a move to rest: without a limit it would go far beyond the place of rest.
+        // From the speed of a move to rest: without a limit it would go far beyond the rest position.
         let (_, motion) = motion_of(&[1.205..1.9]);
         let [gap] = of(&motion).collect::<Vec<_>>()[..] else { panic!("no gap") };
         let farthest = (0..70).map(|k| gap.stroke.at(1.2 + 0.01 * f64::from(k), &near).0).fold(f64::INFINITY, f64::min);

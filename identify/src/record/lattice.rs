@@ -1,9 +1,8 @@
-//! The steps of an analogue-to-digital converter or of an encoder, in the readings' unit, from the differences that occur between
-//! readings.
+//! The steps of an analogue-to-digital converter or an encoder, in the readings' unit, from the differences between readings.
 
 use records::{bends, extremes};
 
-/// The spacing of the readings' lattice: the smallest common difference, zero where differences are not its multiples.
+/// Spacing of the readings' lattice: the smallest common difference; zero if the differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
     const NEARLY: f64 = 0.1;
     differences.sort_by(f64::total_cmp);
@@ -16,16 +15,16 @@ pub fn lattice(differences: &mut [f64]) -> f64 {
     if share > 0.9 { step } else { 0.0 }
 }
 
-/// The lattice that the changes from each reading to the next show, those of no more than `nothing` left out.
+/// The lattice shown by the changes from each reading to the next, without those of at most `nothing`.
 pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
     let changes = readings.windows(2).map(|w| (w[1] - w[0]).abs());
     lattice(&mut changes.filter(|change| *change > nothing).collect::<Vec<f64>>())
 }
 
-/// The lattice that the bends of the readings' course show, where it bends all along its moves: readings rounded to steps do.
-/// Those of an even move without steps change by as much from each to the next, and bend at its start and its end only.
+/// The lattice shown by the bends of the readings' course, if it bends throughout its moves, as readings rounded to steps do. A
+/// steady move without steps changes equally from each reading to the next, and bends at its start and its end only.
 pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
-    /// Bends of an even move: at its start and its end, each between two rows.
+    /// Bends of a steady move: at its start and its end, each between two rows.
     const OF_EVEN_MOVE: usize = 4;
     let mut bends: Vec<f64> = bends(readings).filter(|bend| *bend > nothing).collect();
     let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();
@@ -35,7 +34,7 @@ pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
     if bends.len() > OF_EVEN_MOVE * moves.max(1) { lattice(&mut bends) } else { 0.0 }
 }
 
-/// Whether after a rest these changes are of a move: more than one of them, or one that is `far`.
+/// Whether a move begins after three changes at rest: the two others both move, or the first of them by more than `far`.
 fn begins_a_move(changes: &[f64], nothing: f64, far: f64) -> bool {
     let (rest, moved) = changes.split_at(3);
     rest.iter().all(|c| c.abs() <= nothing) && (moved.iter().all(|c| c.abs() > nothing) || moved[0].abs() > far)
@@ -45,7 +44,7 @@ fn begins_a_move(changes: &[f64], nothing: f64, far: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Positions at every row of moves to and fro at this speed, in rows, with rests between them.
+    /// Positions at every row of moves to and fro at this travel per row, with rests between them.
     fn to_and_fro(way_per_row: f64, rows: usize) -> Vec<f64> {
         let there = (0..=rows).map(|k| way_per_row * k as f64);
         let rest = |x: f64| std::iter::repeat_n(x, 20);

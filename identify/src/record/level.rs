@@ -1,9 +1,9 @@
-//! Absolute pressures in another unit than the rig declares.
+//! Absolute pressures in a unit other than the one that the rig declares.
 //!
-//! With r times the absolute pressure a chamber has r times the mass and √r times λ0, and all else is as it was: neither ratios
-//! nor times tell a wrong unit. What tells it is the level at which the records rest, where that is the pressure of the
-//! surroundings in another unit, or no level of compressed air but in another unit; and λ0, which in gases in cylinders is some
-//! 30 W/(m² K). Any one of these may hold by chance: it takes two for a note, and all for a refusal.
+//! With r times the absolute pressure, a chamber has r times the mass and √r times λ0, and all else is the same: neither ratios
+//! nor times show a wrong unit. The signs are the level at which the records rest, if it is the pressure of the surroundings in
+//! another unit, or a level of compressed air in another unit only; and λ0, which for gases in cylinders is some 30 W/(m² K). Any
+//! one of these may hold by chance: two give a note, all three a refusal.
 //!
 //! Gauge pressures in another unit contradict the volumes: see [`crate::judge::sanity`].
 
@@ -15,10 +15,10 @@ use crate::record::stroke::Phase;
 use crate::record::unit::{Doubt, others};
 use records::units::Unit;
 
-/// Looks at absolute pressures of a declared unit.
+/// Checks absolute pressures of a declared unit.
 ///
 /// # Errors
-/// Where everything speaks for another unit.
+/// If all signs favour another unit.
 pub fn check(data: &Data, declared: Option<&'static Unit>) -> Result<Option<Doubt>, Error> {
     let Some(declared) = declared.filter(|_| !data.gauge_pressures) else { return Ok(None) };
     let rests: Vec<(f64, &Prepared)> = data.traces.iter().filter_map(|t| Some((rest_pa(t)?, t))).collect();
@@ -30,7 +30,7 @@ pub fn check(data: &Data, declared: Option<&'static Unit>) -> Result<Option<Doub
     let lowest = rests.iter().map(|(pa, _)| *pa).fold(f64::INFINITY, f64::min);
     let is_all_unusual =
         !rests.iter().any(|(pa, _)| usual(*pa)) || data.highest_pressure_pa() < data.ambient_pressure_pa;
-    // Those at rest at the pressure of the surroundings count; where none is, all do.
+    // Records that rest at the pressure of the surroundings count; if none does, all do.
     let signs = |(unit, ratio): (&'static str, f64)| {
         let open: Vec<_> = rests.iter().filter(|(pa, _)| at_ambient(pa / ratio)).collect();
         let all_usual = rests.iter().all(|(pa, _)| usual(pa / ratio));
@@ -54,7 +54,7 @@ pub fn check(data: &Data, declared: Option<&'static Unit>) -> Result<Option<Doub
     }
 }
 
-/// Mean pressure of a record's rest, Pa.
+/// Mean pressure of a record's initial rest, Pa.
 fn rest_pa(t: &Prepared) -> Option<f64> {
     let rest = t.course.motion.segments.first().filter(|s| s.phase == Phase::Rest)?;
     let rows: Vec<f64> = (rest.first..rest.end).filter(|&i| t.readout.is_data(i)).map(|i| t.pressure_pa[i]).collect();

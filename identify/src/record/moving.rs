@@ -1,24 +1,25 @@
-//! Which rows of a record belong to moves of the piston, by its positions in m.
+//! Which rows of a record belong to moves of the piston, from its positions in m.
 
 use crate::record::position_noise::position_noise;
 use crate::record::spline::mean;
 use crate::record::turn::{REACH, is_turn};
 use records::{Line, extremes};
 
-/// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one, and positions have that noise, m.
+/// Which rows belong to moves, where a stop of fewer rows than `shortest_hold` is part of one, and positions have this noise, m.
 ///
-/// So fast a recording that a row's way is lost in the noise shows its moves in pieces of few rows, or none, or moves where the piston
-/// seems to be held: then means of rows are looked at instead, of twice as many until the moves are whole.
+/// In a recording so fast that the travel per row is lost in the noise, moves come out in pieces of few rows, or not at all, or
+/// the piston moves where it seems to be held. Means of rows are then used instead, of twice as many each time until the moves
+/// are whole.
 pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<bool> {
-    /// No move is shorter, once it has its gentle begin and end.
+    /// A move, with its gentle start and end, is never shorter.
     const FEWEST_ROWS: usize = 10;
-    /// A record is not looked at in fewer means, ...
+    /// A record is not reduced to fewer means, ...
     const FEWEST_MEANS: usize = 200;
-    /// ...nor in fewer than these where no number of them shows its moves whole, and more show any.
+    /// ...nor to fewer than these if no number of them shows its moves whole, but more of them show any.
     const FEWEST_IN_PIECES: usize = 2000;
-    /// A held piston wanders by no more of the record's way, ...
+    /// A held piston wanders by no more than this fraction of the record's travel, ...
     const MOST_OF_WAY: f64 = 0.02;
-    /// ...nor creeps by more.
+    /// ...and creeps by no more than this one.
     const MOST_CREPT: f64 = 0.05;
     let mut averaged = 1;
     let mut in_pieces = Vec::new();
@@ -52,8 +53,8 @@ pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<boo
     }
 }
 
-/// Rows within reach of a change of position larger than `threshold`, and holds of fewer rows than `shortest_hold`. Before a record's
-/// first move any row that is not within that reach shows a rest.
+/// Rows within reach of a position change larger than `threshold`, and holds of fewer rows than `shortest_hold`. Before a
+/// record's first move any row outside that reach shows a rest.
 fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<bool> {
     let n = position_m.len();
     let mut moving: Vec<bool> = (0..n)
@@ -73,7 +74,7 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     moving
 }
 
-/// The farthest that means of a stop's rows lie from their straight line, and how far it goes, m.
+/// Largest distance of the means of a stop's rows from their straight line, and the length of that line, m.
 fn ways(position_m: &[f64]) -> [f64; 2] {
     const PARTS: usize = 20;
     if position_m.len() < 2 * PARTS {
@@ -86,7 +87,7 @@ fn ways(position_m: &[f64]) -> [f64; 2] {
     [off, line.slope.abs() * means.len() as f64]
 }
 
-/// Makes one of moves between which the piston turns without a stop, and gives those at the record's ends the turns that they begin
+/// Joins moves between which the piston turns without a stop, and extends those at the record's ends by the turns that they begin
 /// or end with.
 fn without_turns(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     let parts = ranges(moving);
@@ -99,11 +100,11 @@ fn without_turns(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     }
 }
 
-/// Makes one of moves between which the piston does not stop: one that swings to its stop does not where it turns, nor one that
-/// starts gently. Between a move and one of less than half its way a stop lasts.
+/// Joins moves between which the piston does not stop: a piston that swings to its stop does not stop where it turns, nor does
+/// one that starts gently. Between a move and one of less than half its travel, a stop must last.
 fn join(moving: &mut [bool], position_m: &[f64]) {
     const PART: f64 = 0.5;
-    /// The time of the longer move over that of the shortest stop beside it.
+    /// Duration of the longer move over that of the shortest stop beside it.
     const SHORTEST_STOP: usize = 6;
     let way = |first: usize, end: usize| {
         let (low, high) = extremes(&position_m[first..end]);
@@ -115,7 +116,7 @@ fn join(moving: &mut [bool], position_m: &[f64]) {
         if moves {
             continue;
         }
-        // Where the move before began, with what has been added to it.
+        // Start of the move before, including what was joined to it.
         let from = begun.unwrap_or(before.0);
         let ways = [way(from, first), way(after.0, after.1)];
         let lasts = SHORTEST_STOP * (end - first) > (first - from).max(after.1 - after.0);
@@ -127,7 +128,7 @@ fn join(moving: &mut [bool], position_m: &[f64]) {
     }
 }
 
-/// Gives moves their gentle begins and ends, which single rows do not show in the position's noise.
+/// Extends moves by their gentle starts and ends, which single rows do not show in the position noise.
 fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     let parts = ranges(moving);
     let length = |k: usize| parts.get(k).map_or(0, |(first, end, _)| end - first);
@@ -137,7 +138,7 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
         }
         let [before, after] = [k.checked_sub(1).map_or(0, length), length(k + 1)];
         let backwards: Vec<f64> = position_m[first..end].iter().rev().copied().collect();
-        // The gentle begin of the next move is not where the piston is held, nor is the end of the one before.
+        // Neither the gentle start of the next move nor the end of the one before is where the piston is held.
         let rows = end - first;
         let beside = |length: usize| length.min(rows / 4);
         let late = unsettled(&backwards[..rows - beside(before)], after, noise_m);
@@ -149,19 +150,19 @@ fn widen(moving: &mut [bool], position_m: &[f64], noise_m: f64) {
     }
 }
 
-/// How many of a hold's rows, counted from a move of so many rows, still belong to it: those whose means over a window differ from
-/// where the piston is held, and one window more, in which a mean would not show them either. A piston that swings to its stop
-/// passes its place in between. It is held along the straight line of the half of the rows that is farther from the move; no row if
-/// it does not get there, or where there is no move.
+/// Number of a hold's rows, counted from a move of `length` rows, that still belong to it: those whose means over a window differ
+/// from the held position, and one window more, in which a mean would not show them. A piston that swings to its stop passes its
+/// place in between. The held position is the straight line through the half of the rows that is farther from the move. Zero if
+/// the piston does not get there, or if there is no move.
 fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     const SHORTEST_WINDOW: usize = 8;
-    /// Windows in a move, and in a hold at the least.
+    /// Least number of windows in a move, and in a hold.
     const WINDOWS: [usize; 2] = [16, 8];
-    /// Windows for which a swing may stay near the place at which the piston will rest.
+    /// Windows for which a swing may stay near the final position.
     const PASSING: usize = 4;
-    /// A mean so far off shows that the move goes on, and after a pause that it has not been over.
+    /// Standard deviations of a mean that show that the move continues, and that it was not over after a pause.
     const DEVIATIONS: [f64; 2] = [2.7, 3.5];
-    /// A move's end is no longer than so many times what single rows show of it.
+    /// Longest end of a move, over the length that single rows show of it.
     const LONGEST: usize = 8;
     let window = (length / WINDOWS[0]).min(rows.len() / WINDOWS[1]).max(SHORTEST_WINDOW);
     let half = rows.len() / 2;
@@ -170,7 +171,7 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     }
     let index: Vec<f64> = (0..rows.len()).map(|i| i as f64).collect();
     let line = Line::through(&index[half..], &rows[half..]);
-    // Distances from it, summed up to each row.
+    // Cumulative sums of the distances from it.
     let mut sums = vec![0.0];
     sums.extend(index.iter().zip(rows).scan(0.0, |sum, (i, row)| {
         *sum += row - line.at(*i);
@@ -182,7 +183,7 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
         let reach = (i as f64 + 0.5 * (window - 1) as f64 - line.middle_s) / held;
         noise_m * (1.0 / window as f64 + (1.0 + 12.0 * reach * reach) / held).sqrt()
     };
-    // A piston that is held may wander.
+    // A held piston may wander.
     let means = (half..=rows.len() - window).step_by(window).map(|i| off(i).powi(2));
     let wander = (means.clone().sum::<f64>() / means.count() as f64).sqrt();
     let most = half.min(LONGEST * length);
@@ -198,8 +199,8 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     if moved < most { moved + window } else { 0 }
 }
 
-/// Takes readings at either end of a move that do not differ from where the piston is held out of it, but for the one next to it: a
-/// reading that stands for many rows is missed in a hold.
+/// Moves readings at either end of a move that do not differ from the held position to the hold, which needs every reading that
+/// represents many rows; the one next to the rest of the move stays in it.
 pub fn narrow(moving: &mut [bool], readings_m: &[f64], noise_m: f64) {
     const DEVIATIONS: f64 = 3.0;
     let limit = DEVIATIONS * noise_m;
@@ -216,7 +217,7 @@ pub fn narrow(moving: &mut [bool], readings_m: &[f64], noise_m: f64) {
     }
 }
 
-/// Ranges of rows, from one to before another, that all move or do not.
+/// Ranges of successive rows, `first..end`, that all move or all do not.
 pub fn ranges(moving: &[bool]) -> Vec<(usize, usize, bool)> {
     let mut out = Vec::new();
     let mut start = 0;

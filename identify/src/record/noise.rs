@@ -1,10 +1,10 @@
 //! The noise of a recording: white, coloured, hum, and the step of its readings.
 //!
-//! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with
-//! a standard deviation in Pa and a correlation time in s; five of them stand for 1/f wander over the scales of a record
-//! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white
-//! part from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. Of records
-//! without noise, the white part is [`least`]: as much as nobody knows a pressure better than.
+//! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with a
+//! standard deviation in Pa and a correlation time in s; five of them represent 1/f wander over the time scales of a record (M.
+//! S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white part from
+//! short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. For records without
+//! noise, the white part is [`least`]: no pressure is known better.
 
 use crate::policy::KNOWN_TO;
 use crate::record::lattice::lattice;
@@ -22,7 +22,7 @@ pub struct Colour {
 }
 
 impl Colour {
-    /// Its variance about the mean of so many seconds, Pa².
+    /// Its variance about the mean of a record of this length, Pa².
     pub fn power_within(&self, record_s: f64) -> f64 {
         let times = record_s / self.time_s;
         let of_the_mean = match times {
@@ -34,59 +34,59 @@ impl Colour {
     }
 }
 
-/// A line in the spectrum, such as mains hum that the sampling has moved to a low frequency.
+/// A spectral line, such as mains hum aliased to a low frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hum {
     /// Standard deviation (the amplitude over √2), Pa.
     pub sd_pa: f64,
     /// Its frequency in the record, Hz.
     pub frequency_hz: f64,
-    /// Over which time its phase is kept, s.
+    /// Time over which it keeps its phase, s.
     pub coherence_s: f64,
 }
 
 /// Noise of the pressure readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of the white part of one reading, as the mean of many readings shows it, Pa.
+    /// Standard deviation of the white part of one reading, from the mean of many readings, Pa.
     pub white_pa: f64,
-    /// Coloured parts: at most two of their own, or those of flicker noise.
+    /// Coloured parts: at most two separate ones, or those of flicker noise.
     pub colours: Vec<Colour>,
     /// Hum.
     pub hum: Option<Hum>,
-    /// Step between readings, Pa; zero where none is seen.
+    /// Step of the readings, Pa; zero if none shows.
     pub step_pa: f64,
-    /// Whether readings stick to a step, as the noise is too small to move them off it.
+    /// Whether readings stick to a step because the noise is too small to move them off it.
     pub sticks: bool,
     /// Relative standard error of the variance.
     pub variance_error: f64,
-    /// What the rig states, Pa.
+    /// Noise that the rig states, Pa.
     pub stated_pa: Option<f64>,
-    /// How long its records are, s.
+    /// Length of its records, s.
     pub record_s: f64,
 }
 
-/// Processes that together are flicker (1/f) noise: about one in a decade of time.
+/// Number of processes that together make flicker (1/f) noise: about one per decade of time.
 pub const FLICKER_COLOURS: usize = 5;
 
-/// The least white noise that counts, Pa, of records with this highest pressure.
+/// Least white noise, Pa, of records with this highest pressure.
 pub fn least(highest_pa: f64) -> f64 {
     KNOWN_TO * highest_pa
 }
 
 /// Rows of a window.
 const WINDOW: usize = 40;
-/// Fewest rows of a window and coefficients of the polynomial about which its readings scatter: the second where a slow
-/// readout leaves too few rows for the first.
+/// Fewest rows of a window, and coefficients of the polynomial about which its readings scatter; the second pair applies where a
+/// slow readout leaves too few rows for the first.
 const LEAST: [(usize, usize); 2] = [(16, 5), (5, 3)];
-/// Degrees of freedom that show a variance within a third.
+/// Degrees of freedom that give a variance to within a third.
 const ENOUGH_FREEDOM: f64 = 20.0;
 const LARGEST_LAG: usize = 12;
-/// Readings stick where at least this share of neighbours is equal.
+/// Readings stick if at least this fraction of neighbours is equal.
 const STUCK_SHARE: f64 = 0.6;
 
 impl Noise {
-    /// White noise of that standard deviation, Pa.
+    /// White noise of this standard deviation, Pa.
     pub fn white(sd_pa: f64) -> Self {
         Self {
             white_pa: sd_pa,
@@ -100,7 +100,7 @@ impl Noise {
         }
     }
 
-    /// Standard deviation of one reading about the mean of its record, all kinds of noise together, Pa.
+    /// Standard deviation of one reading about the mean of its record, from all kinds of noise together, Pa.
     pub fn total_pa(&self) -> f64 {
         let coloured = self.coloured_pa();
         (self.white_pa.powi(2) + coloured.powi(2) + self.rounding_pa().powi(2)).sqrt()
@@ -111,27 +111,27 @@ impl Noise {
         self.colours.len() == FLICKER_COLOURS
     }
 
-    /// Standard deviation of coloured noise and hum about the mean of a record, Pa: of what changes more slowly than a record lasts,
-    /// the record shows only a part.
+    /// Standard deviation of coloured noise and hum about the mean of a record, Pa: a record shows only a part of what changes
+    /// more slowly than it lasts.
     pub fn coloured_pa(&self) -> f64 {
         let hum = self.hum.map_or(0.0, |h| h.sd_pa);
         (self.colours.iter().map(|c| c.power_within(self.record_s)).sum::<f64>() + hum * hum).sqrt()
     }
 
-    /// Correlation time of the coloured noise, s, by variance; zero where there is none.
+    /// Variance-weighted correlation time of the coloured noise, s; zero if there is none.
     pub fn correlation_s(&self) -> f64 {
         let power: f64 = self.colours.iter().map(|c| c.sd_pa * c.sd_pa).sum();
         let weighted: f64 = self.colours.iter().map(|c| c.sd_pa * c.sd_pa * c.time_s).sum();
         if power > 0.0 { weighted / power } else { 0.0 }
     }
 
-    /// Standard deviation of the rounding where readings stick, Pa; where they do not it is part of the white noise.
+    /// Standard deviation of rounding where readings stick, Pa; otherwise it is part of the white noise.
     pub fn rounding_pa(&self) -> f64 {
         if self.sticks { self.step_pa / 12.0f64.sqrt() } else { 0.0 }
     }
 
-    /// The same beside what a model is known to leave, Pa rms. Nothing tells how fast that changes: it is flicker noise between
-    /// these times, s, from that of a row to that of a record, or has the times of flicker noise that is there already.
+    /// Adds what a model is known to leave, Pa rms. Its time scale is unknown: it is flicker noise between these times, s, from
+    /// that of a row to that of a record, or has the times of flicker noise that is already there.
     pub fn beside(mut self, left_pa: f64, [shortest_s, longest_s]: [f64; 2]) -> Self {
         let known = if self.flickers() { 0 } else { self.colours.len() };
         if !self.flickers() {
@@ -146,7 +146,7 @@ impl Noise {
 
     /// White noise and step from the quiet parts of all records of a rig: late windows of rests and holds.
     ///
-    /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window; about
+    /// The scatter is that about a polynomial of the fourth degree, since a fast relaxation still bends within a window, or about
     /// a parabola where windows are short.
     pub fn from_quiet_parts<'a>(records: &[Quiet<'a>], stated_pa: Option<f64>, stated_step_pa: Option<f64>) -> Self {
         let [long, short] = LEAST;
@@ -174,7 +174,7 @@ impl Noise {
             neighbours += values.len() - 1;
             differences.extend(values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9));
         }
-        // Interpolation between rounded readings leaves finer changes than their steps, but not where the pressure stands.
+        // Interpolation between rounded readings leaves finer changes than their steps, except where the pressure is constant.
         let step_pa = stated_step_pa.unwrap_or_else(|| {
             records.iter().map(|q| plateau_lattice(q.pressure_pa)).fold(lattice(&mut differences), f64::max)
         });
@@ -194,7 +194,7 @@ impl Noise {
         // Between its steps a sticking sensor hides its noise.
         white_pa = white_pa.max(least_pa).max(if sticks { 0.25 * floor } else { 0.0 });
         if let Some(stated) = stated_pa.filter(|s| *s > 1.2 * white_pa) {
-            // Who states more than the scatter shows has reasons: calibration, hysteresis.
+            // A stated noise above the scatter has reasons: calibration, hysteresis.
             white_pa = stated;
         }
         let variance_error = (2.0 / freedom.max(1.0)).sqrt();
@@ -202,7 +202,7 @@ impl Noise {
     }
 }
 
-/// A record's rows as the estimate of its noise sees them.
+/// A record's rows as used to estimate its noise.
 #[derive(Clone, Copy, Debug)]
 pub struct Quiet<'a> {
     /// Times, s.
@@ -216,14 +216,14 @@ pub struct Quiet<'a> {
 }
 
 impl Quiet<'_> {
-    /// The readings of each quiet part, Pa, or of each part, moves included.
+    /// The readings of each quiet part, Pa, or with `moves` of every part.
     fn parts(&self, moves: bool) -> Vec<Vec<f64>> {
         let parts = self.motion.segments.iter().filter(|s| moves || s.phase != Phase::Move);
         let read = |s: &Segment| (s.first..s.end).filter(|&i| self.readout.is_data(i)).map(|i| self.pressure_pa[i]);
         parts.map(|s| read(s).collect()).collect()
     }
 
-    /// Windows of rows that are data, in the quiet parts; of so many rows at the least.
+    /// Windows of data rows in the quiet parts, of at least `least` rows.
     fn windows(&self, least: usize) -> Vec<Vec<usize>> {
         let mut out = Vec::new();
         for s in self.motion.segments.iter().filter(|s| s.phase != Phase::Move) {
@@ -239,14 +239,14 @@ impl Quiet<'_> {
     }
 }
 
-/// The windows of all records, of so many rows at the least.
+/// The windows of all records, of at least `least` rows.
 fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>, Vec<usize>)> {
     records.iter().flat_map(|quiet| quiet.windows(least).into_iter().map(move |rows| (quiet, rows))).collect()
 }
 
-/// White noise of records whose quiet parts are too short for a window, Pa: from their readings' second differences, which a
-/// relaxation hardly enters. Where the piston never stands, from fourth ones, which its motion hardly enters either; their variance
-/// is 1 + 16 + 36 + 16 + 1 times that of the readings.
+/// White noise of records whose quiet parts are too short for a window, Pa: from their readings' second differences, in which a
+/// relaxation hardly shows. Where the piston never rests, from fourth differences, in which its motion hardly shows either; their
+/// variance is 1 + 16 + 36 + 16 + 1 times that of the readings.
 fn from_bends(records: &[Quiet<'_>]) -> f64 {
     let parts = |moves: bool| records.iter().flat_map(move |quiet| quiet.parts(moves));
     let quiet: Vec<f64> = parts(false).flat_map(|part| bends(&part).collect::<Vec<f64>>()).collect();
@@ -257,12 +257,12 @@ fn from_bends(records: &[Quiet<'_>]) -> f64 {
     noise_of_bends(parts(true).flat_map(|part| part.windows(5).map(fourth).collect::<Vec<f64>>()).collect())
 }
 
-/// Degrees of freedom of all windows, each about a polynomial of so many coefficients.
+/// Degrees of freedom of all windows, each about a polynomial with this number of coefficients.
 fn freedom(windows: &[(&Quiet<'_>, Vec<usize>)], coefficients: usize) -> f64 {
     windows.iter().map(|(_, rows)| (rows.len() - coefficients) as f64).sum()
 }
 
-/// The spacing of the levels that readings stay on for several rows, Pa.
+/// Spacing of the levels at which readings stay for several rows, Pa.
 fn plateau_lattice(pressure_pa: &[f64]) -> f64 {
     const ROWS: usize = 4;
     const FEWEST_LEVELS: usize = 8;
@@ -274,13 +274,13 @@ fn plateau_lattice(pressure_pa: &[f64]) -> f64 {
     if differences.len() < FEWEST_LEVELS { 0.0 } else { lattice(&mut differences) }
 }
 
-/// Over how many rows a reading is correlated with its neighbours: 1 + 2 Σ ρ_k; white noise: 1.
+/// Number of rows over which a reading is correlated with its neighbours: 1 + 2 Σ ρ_k; 1 for white noise.
 fn correlation_rows(products: &[f64], freedom: f64, coefficients: usize) -> f64 {
     let mut rows = 1.0;
     if products[0] > 0.0 {
         let significant = 3.0 / freedom.sqrt();
         for product in &products[1..] {
-            // Fitting the polynomial takes some of a window's degrees of freedom, spread over the lags.
+            // The polynomial fit takes some of a window's degrees of freedom, spread over the lags.
             let rho = product / products[0] + coefficients as f64 / WINDOW as f64 * 0.5;
             if rho < significant + 0.05 {
                 break;
@@ -291,7 +291,7 @@ fn correlation_rows(products: &[f64], freedom: f64, coefficients: usize) -> f64 
     rows
 }
 
-/// Mean of the windows' variances, or their median where a few windows hold more than noise.
+/// Mean of the windows' variances, or their median if a few windows contain more than noise.
 fn robust_mean(variances: &mut [(f64, f64)]) -> f64 {
     let freedom: f64 = variances.iter().map(|(_, f)| f).sum();
     if freedom == 0.0 {
@@ -305,7 +305,7 @@ fn robust_mean(variances: &mut [(f64, f64)]) -> f64 {
     if mean > 1.15 * median && median > 0.0 { median } else { mean }
 }
 
-/// Residual about a polynomial of so many coefficients, by Gram–Schmidt on the powers of centred time.
+/// Residual about a polynomial with this number of coefficients, by Gram–Schmidt on the powers of centred time.
 pub(super) fn polynomial_residual(t: &[f64], y: &[f64], coefficients: usize) -> Vec<f64> {
     let n = t.len();
     let centre = t.iter().sum::<f64>() / n as f64;
@@ -428,7 +428,7 @@ mod tests {
     #[test]
     fn rounded_readings_that_were_interpolated_anew_keep_the_step_at_which_they_stand() {
         const STEP_PA: f64 = 689.0;
-        // Read 43 times a second, given out 50 times: between two readings a twentieth of a step may stand.
+        // Read 43 times a second, written 50 times: between two readings it resolves a twentieth of a step.
         let pressure = |t: f64| 1e5 * (9.0 - 0.005 * t + 0.03 * (-t / 4.0).exp());
         let read = |k: usize| (pressure(k as f64 / 43.0) / STEP_PA).round();
         let given = |t: f64| {

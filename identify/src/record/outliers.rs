@@ -1,8 +1,8 @@
 //! Readings that are far off: spikes, left out and counted.
 //!
-//! Before a fit, a reading that stands out of both its neighbours; after it, a residual far from the median of those around it,
-//! in units of their scatter (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383). The residuals are judged again whenever
-//! a model with more terms leaves others.
+//! Before a fit, a reading that stands out from both its neighbours; after it, a residual far from the median of those around it,
+//! in units of their scatter (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383). Residuals are judged again whenever a
+//! model with more terms changes them.
 
 use crate::policy;
 use crate::record::data::{Data, Prepared};
@@ -20,18 +20,18 @@ use std::ops::Range;
 const FROM_NEIGHBOURS: f64 = 9.0;
 /// A residual this many standard deviations from the median around it is an outlier.
 const FROM_MEDIAN: f64 = 6.5;
-/// Steps of a sensor are smaller than this share of what it shows.
+/// Steps of a sensor are smaller than this fraction of its reading.
 const COARSEST_STEP: f64 = 0.02;
-/// Most spikes at a move that follow each other.
+/// Most successive spikes at a move.
 const TOGETHER: usize = 2;
 /// Rows on each side that a residual is compared with.
 const REACH: usize = 8;
 
-/// No push compresses a gas so much that a reading is so many times the median.
+/// No compression of a gas makes a reading this multiple of the median.
 const IMPOSSIBLE: f64 = 100.0;
 
-/// A record's pressures, Pa, those that no gas can have replaced by the reading before them, and the rows of these. What is so large
-/// would outweigh all else before it is left out.
+/// A record's pressures, Pa, with those that no gas can have replaced by the reading before them, and the rows of these. So large
+/// a value would outweigh all else before it is left out.
 pub fn without_impossible(pressure_pa: &[f64]) -> (Cow<'_, [f64]>, Vec<usize>) {
     let usual_pa = median(pressure_pa.to_vec());
     let most_pa = IMPOSSIBLE * usual_pa.abs();
@@ -46,7 +46,7 @@ pub fn without_impossible(pressure_pa: &[f64]) -> (Cow<'_, [f64]>, Vec<usize>) {
     (Cow::Owned(filled), rows)
 }
 
-/// Rows whose pressure stands out of both neighbours by much more than these differ and than the noise, Pa.
+/// Rows whose pressure stands out from both neighbours by much more than these differ and than the noise, Pa.
 pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usize> {
     let rows: Vec<usize> = (0..pressure_pa.len()).filter(|&i| readout.is_data(i)).collect();
     let found: Vec<usize> = rows
@@ -57,8 +57,8 @@ pub fn spikes(pressure_pa: &[f64], readout: &Readout, noise_pa: f64) -> Vec<usiz
     accidental(found, rows.len())
 }
 
-/// Rows of a rest, the first so many of a record, whose pressure is far from the median of those around it, as measured by their
-/// own scatter or the smallest change between readings, which may be the sensor's step.
+/// Rows of a rest, the first `rest` of a record, whose pressure is far from the median of those around it, in units of their
+/// scatter or of the smallest change between readings, which may be the sensor's step.
 pub fn of_rest(pressure_pa: &[f64], rest: usize) -> Vec<usize> {
     let smallest_pa = smallest_change(pressure_pa);
     let own = &pressure_pa[..rest];
@@ -70,9 +70,9 @@ pub fn of_rest(pressure_pa: &[f64], rest: usize) -> Vec<usize> {
 
 /// Rows of each record whose residual (measured − model, Pa) is far from those around it.
 ///
-/// At a move the model errs too, in the few rows of a fast one: a delay, a low-pass or an average that it lacks yet. Rows in
-/// its reach are outliers only where they stand out of both neighbours, alone or two together, and where the moves have no more of
-/// them than the rest of the records: spikes know nothing of the piston.
+/// At a move the model errs too, in the few rows of a fast one, if it still lacks a delay, a low-pass or an average. Rows in
+/// reach of a move are outliers only if they stand out from both neighbours, alone or two together, and if the moves have no more
+/// of them than the rest of the records: spikes are independent of the piston.
 pub fn in_residuals(data: &Data, residuals: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let noise_pa = data.noise.white_pa.max(data.noise.step_pa);
     let records: Vec<Far> = data.traces.iter().zip(residuals).map(|(t, r)| Far::of(t, r, noise_pa)).collect();
@@ -97,7 +97,7 @@ pub fn in_residuals(data: &Data, residuals: &[Vec<f64>]) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Probability that so many of the outliers at moves and elsewhere lie at moves, which have this share of the rows.
+/// Probability of at least this many of the outliers lying at moves, which have this fraction of the rows.
 fn more_at_moves([at_moves, elsewhere]: [usize; 2], share: f64) -> f64 {
     let Some(fewer) = at_moves.checked_sub(1) else { return 1.0 };
     Binomial::new(share, (at_moves + elsewhere) as u64).map_or(1.0, |binomial| binomial.sf(fewer as u64))
@@ -105,13 +105,13 @@ fn more_at_moves([at_moves, elsewhere]: [usize; 2], share: f64) -> f64 {
 
 /// Readings of a record that are far from those around them.
 struct Far {
-    /// Those in reach of a move that stand alone or in twos, ...
+    /// Those in reach of a move, alone or in pairs, ...
     at_moves: Vec<usize>,
-    /// ... and those that are not.
+    /// ... and those elsewhere.
     elsewhere: Vec<usize>,
-    /// Spikes that were known before, at moves and elsewhere.
+    /// Numbers of spikes that were known before, at moves and elsewhere.
     known: [usize; 2],
-    /// Rows that are looked at, at moves and elsewhere.
+    /// Numbers of rows examined, at moves and elsewhere.
     rows: [usize; 2],
 }
 
@@ -124,7 +124,7 @@ impl Far {
         let at_moves = reach_of_moves(t, &rows);
         let far = far_from_median(&rows, residual, noise_pa);
         let is_far = |k: usize| far.binary_search(&k).is_ok();
-        // Between the rows before and behind it, and the one far off beside it if there is one.
+        // Between the rows before and behind it, or the pair if the row beside it is far off too.
         let is_between_others = |k: usize| {
             let first = if k > 0 && is_far(k - 1) { k - 1 } else { k };
             let last = if is_far(k + 1) { k + 1 } else { k };
@@ -148,10 +148,10 @@ impl Far {
     }
 }
 
-/// Which of these rows an error of the model at a move can reach that is too short for the median of [`REACH`] rows on each
-/// side: it begins no more than so many rows before the move, where the position is late, and ends no more than twice as many
-/// after it. What counts as a move may begin and end with many rows in which the piston stands: an error is no farther from those
-/// in which it is seen to move than it moves long.
+/// Which of these rows can be reached by an error of the model at a move that is too short for the median of [`REACH`] rows on
+/// each side: it begins at most that many rows before the move, where the position is late, and ends at most twice as many after
+/// it. What counts as a move may begin and end with many rows in which the piston stands: an error is no farther from the rows in
+/// which it is seen to move than these are long.
 fn reach_of_moves(t: &Prepared, rows: &[usize]) -> Vec<bool> {
     let mut out = vec![false; rows.len()];
     for s in t.course.motion.segments.iter().filter(|s| s.phase == Phase::Move) {
@@ -164,9 +164,9 @@ fn reach_of_moves(t: &Prepared, rows: &[usize]) -> Vec<bool> {
     out
 }
 
-/// The rows of a move from the first that differs from its start to the last that does from its end.
+/// The rows of a move from the first that differs from its start to the last that differs from its end.
 fn seen_to_move(t: &Prepared, s: &Segment) -> Range<usize> {
-    /// Of the position's noise.
+    /// In standard deviations of the position noise.
     const DEVIATIONS: f64 = 5.0;
     let [begin_m, end_m] = [s.from_s, s.to_s].map(|time_s| s.stroke.at(time_s, &Cell::new(0)).0);
     let least_m = DEVIATIONS * t.course.motion.noise_m;
@@ -176,14 +176,14 @@ fn seen_to_move(t: &Prepared, s: &Segment) -> Range<usize> {
     first..end
 }
 
-/// Places among these rows whose residual is far from the median of those around it.
+/// Indices among these rows whose residual is far from the median of those around it.
 fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize> {
     let mut around = Vec::with_capacity(2 * REACH + 1);
     let mut found = Vec::new();
     for k in 0..rows.len() {
         let near = &rows[k.saturating_sub(REACH)..(k + REACH + 1).min(rows.len())];
         let off = residual[rows[k]];
-        // Cheap first: most readings lie near their neighbours' level.
+        // A cheap test first: most readings lie near their neighbours' level.
         let mean = near.iter().map(|&i| residual[i]).sum::<f64>() / near.len() as f64;
         if (off - mean).abs() < 0.8 * FROM_MEDIAN * noise_pa {
             continue;
@@ -199,7 +199,7 @@ fn far_from_median(rows: &[usize], residual: &[f64], noise_pa: f64) -> Vec<usize
     found
 }
 
-/// Whether the middle one of three stands out of both neighbours by much more than these differ and than the noise.
+/// Whether the middle one of three stands out from both neighbours by much more than these differ and than the noise.
 fn stands_out([a, b, c]: [f64; 3], noise_pa: f64) -> bool {
     (b - a) * (b - c) > 0.0 && (b - a).abs().min((b - c).abs()) > FROM_NEIGHBOURS * noise_pa + 3.0 * (c - a).abs()
 }
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::synthetic::{Random, Recipe};
 
-    /// A rig, residuals of it that are noise, and the first row of each record's first move.
+    /// A rig, residuals that are pure noise, and the first row of each record's first move.
     fn noise_of_a_rig() -> (Data, Vec<Vec<f64>>, Vec<usize>) {
         let data = Data::prepare(&Recipe { repeats: 2, ..Recipe::from_seed(5) }.rig()).unwrap();
         let mut random = Random::new(6);
@@ -259,7 +259,7 @@ mod tests {
         let at = [moves[0] + 12, moves[1] + 12];
         let spikes = [(0, 0, -300.0), (0, 1, -130.0), (1, 0, 300.0), (1, 1, 130.0), (1, 2, 60.0)];
         spikes.iter().for_each(|&(record, row, size)| residuals[record][at[record] + row] += size * sd_pa);
-        // As many as elsewhere: else they would follow the moves.
+        // As many as elsewhere; otherwise they would depend on the moves.
         let elsewhere: Vec<usize> = (1..4).map(|k| residuals[2].len() - 20 * k).collect();
         elsewhere.iter().for_each(|row| residuals[2][*row] += 40.0 * sd_pa);
         let found = in_residuals(&data, &residuals);
@@ -283,7 +283,7 @@ mod tests {
         assert!(of_rest(&p, 50).is_empty());
         (p[0], p[20]) = (p[0] + 2e5, p[20] - 5e3);
         assert_eq!(of_rest(&p, 50), [0, 20]);
-        // Steps of a sensor that noise reaches now and then are no more than steps.
+        // Steps of a sensor that noise reaches now and then are only steps.
         let mut steps = vec![3e5; 60];
         (steps[7], steps[30]) = (3.004e5, 3.004e5);
         assert!(of_rest(&steps, 50).is_empty());

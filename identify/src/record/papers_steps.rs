@@ -1,14 +1,14 @@
-//! The paper's steps 2 to 7 on one record, its outliers, saturated rows and those of a filter that settles left out: the time constant method of Carneiro and Gomes de
-//! Almeida (2006).
+//! The paper's steps 2 to 7 on one record, without its outliers, saturated rows and those of a settling filter: the time constant
+//! method of Carneiro and Gomes de Almeida (2006).
 
 use crate::record::data::{Data, Prepared};
 use paper::time_constant::{self, TimeConstant};
 use paper::{Recording, Setup};
 
-/// What the steps find in a record.
+/// Applies the steps to a record.
 ///
 /// # Errors
-/// A record that is no single push and hold, and what else [`time_constant::evaluate`] refuses.
+/// A record that is not a single push and hold, and anything else that [`time_constant::evaluate`] refuses.
 pub fn of(data: &Data, t: &Prepared) -> Result<TimeConstant, paper::Error> {
     let setup = Setup {
         gas: data.gas,

@@ -1,9 +1,9 @@
-//! Cubic splines over time: strokes between the rows of a record, and what else a record says of its surroundings.
+//! Cubic splines over time: the stroke between a record's rows, and what else a record says of its surroundings.
 
 use records::extremes;
 use std::cell::Cell;
 
-/// Share of a move's way at either end of it that does not count as moving: a piston creeps to its stop.
+/// Fraction of a move's travel at either end that does not count as moving: a piston creeps to its stop.
 const ENDS: f64 = 0.01;
 
 /// A piecewise cubic function of time with continuous slope; constant before its first and after its last knot.
@@ -11,7 +11,7 @@ const ENDS: f64 = 0.01;
 pub struct Spline {
     time: Vec<f64>,
     value: Vec<f64>,
-    /// Coefficients of the polynomial between each knot and the next, in s since the former: the constant first.
+    /// Coefficients of the polynomial between each knot and the next, with time in s from the former: the constant first.
     pieces: Vec<[f64; 4]>,
 }
 
@@ -60,10 +60,10 @@ impl Spline {
         Self { pieces: (0..n - 1).map(piece).collect(), time, value }
     }
 
-    /// Standard deviation of the time by which the whole curve may be early or late, s: ∫ error dt over the way.
+    /// Standard deviation of the time by which the whole curve may be early or late, s: ∫ error dt over the travel.
     ///
-    /// The curve through every second knot misses the others by d; its integral's error is at least four times that of
-    /// the curve through all (a corner; sixteen times where the stroke is smooth). The knots' own noise comes on top.
+    /// The curve through every second knot misses the others by d; its integral's error is at least four times that of the curve
+    /// through all (at a corner; sixteen times for a smooth stroke). The knots' own noise is added.
     pub fn open_shift(&self, noise: f64) -> f64 {
         let n = self.time.len();
         if n < 3 {
@@ -80,7 +80,7 @@ impl Spline {
         (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / way.max(noise)
     }
 
-    /// The two curves through every second knot and the ends, with the slopes that this one has there.
+    /// The two curves through every second knot and the ends, with this curve's slopes at the ends.
     pub fn halves(&self) -> impl Iterator<Item = Self> + '_ {
         let last = self.time.len() - 1;
         let speeds = [self.time[0], self.time[last]].map(|t| Some(self.at(t, &Cell::default()).1));
@@ -91,7 +91,7 @@ impl Spline {
         })
     }
 
-    /// A straight line between two moments, with its corners there.
+    /// A straight line between two times, with corners there.
     pub fn line([begin, end]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         let speed = (to - from) / (end - begin);
         Self { time: vec![begin, end], value: vec![from, to], pieces: vec![[from, speed, 0.0, 0.0]] }
@@ -102,7 +102,7 @@ impl Spline {
         self.time.len() == 2 && self.pieces[0][2..] == [0.0; 2]
     }
 
-    /// Lets a straight line go on to that time, s; all else stays constant beyond its knots.
+    /// Extends a straight line to a time, s; any other curve stays constant beyond its knots.
     pub fn go_on(&mut self, time: f64) {
         if self.is_line() {
             let [from, speed, ..] = self.pieces[0];
@@ -117,7 +117,7 @@ impl Spline {
         (self.time[0], self.time[self.time.len() - 1])
     }
 
-    /// How many knots of a move show it under way.
+    /// Number of a move's knots that lie under way.
     pub fn knots_inside(&self) -> usize {
         let (low, high) = self.range();
         let end = ENDS * (high - low);
@@ -144,14 +144,14 @@ impl Spline {
         extremes(&self.value).1
     }
 
-    /// Value and slope at time `t`; `near` remembers the last piece.
+    /// Value and slope at time `t`; `near` caches the last piece.
     #[inline]
     pub fn at(&self, t: f64, near: &Cell<usize>) -> (f64, f64) {
         let [value, slope, _] = self.bent(t, near);
         (value, slope)
     }
 
-    /// Value, slope and second derivative at time `t`, this one of the later piece at a knot.
+    /// Value, slope and second derivative at time `t`; at a knot, the latter is that of the later piece.
     #[inline(always)]
     pub fn bent(&self, t: f64, near: &Cell<usize>) -> [f64; 3] {
         let last = self.time.len() - 1;

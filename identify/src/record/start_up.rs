@@ -1,22 +1,22 @@
-//! First readings of a record that have not come to the gas yet: a filter in sensor or logger that began elsewhere, at zero mostly,
+//! First readings of a record that do not show the gas yet: a filter in the sensor or logger begins elsewhere, mostly at zero,
 //! and settles within the first half of a rest. Pressures in Pa.
 
 use crate::record::scatter::{scatter, smallest_change};
 use records::median;
 
-/// A filter that begins nearer to the rest's pressure than this share of it is left alone: gas that is not at rest yet may be as far off.
+/// A filter that begins nearer to the rest's pressure than this fraction is left alone: unsettled gas may be as far off.
 const BEGINS_OFF: f64 = 0.02;
-/// Fewest rows of a rest that tells.
+/// Fewest rows of a rest that is examined.
 const FEWEST_ROWS: usize = 16;
-/// Readings this many standard deviations of the rest's scatter from its level have not come there.
+/// Readings farther from the rest's level than this many standard deviations of its scatter have not settled.
 const DEVIATIONS: f64 = 3.0;
-/// With so many there is nothing left to be seen.
+/// Below this many standard deviations nothing is visible.
 const NOTHING: f64 = 0.1;
-/// One row alone is a spike.
+/// A single row is a spike.
 const FEWEST_OFF: usize = 2;
 
-/// How many readings at the begin of a record show a filter that settles, by the readings of the rest that the record begins with; zero
-/// where there is none. What still shows below the scatter is left out with them, as long as it falls on as it did.
+/// Number of readings at the start of a record that show a settling filter, from the readings of the rest that the record begins
+/// with; zero if there is none. It includes what still remains below the scatter, assuming the same exponential decay.
 pub fn readings(rest_pa: &[f64]) -> usize {
     if rest_pa.len() < FEWEST_ROWS {
         return 0;
@@ -45,7 +45,7 @@ mod tests {
     use crate::search::baseline;
     use crate::synthetic::{Random, Recipe};
 
-    /// A rest of 100 readings at 2 bar, off by `off` of that at first, which falls to 1/e in so many rows.
+    /// A rest of 100 readings at 2 bar, initially off by the fraction `off`, which falls to 1/e in `rows` rows.
     fn rest(off: f64, rows: f64) -> Vec<f64> {
         let mut random = Random::new(7);
         (0..100).map(|i| 2e5 * (1.0 + off * (-f64::from(i) / rows).exp()) + 50.0 * random.normal()).collect()

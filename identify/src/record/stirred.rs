@@ -1,9 +1,9 @@
-//! What the rows of a move leave open of the heat of forced convection, which goes by the piston's speed.
+//! Uncertainty of the heat of forced convection, which depends on the piston's speed, from the rows of a move.
 //!
-//! Gas that the piston stirs exchanges heat in proportion to ∫ |v|^0.8 (T − Tw) A dt. The curve through the rows of a move shows the
-//! way well and the speed less so: where the piston sets off or stops between two rows, of few rows ([`open_share`]) that is many
-//! times the noise of a quiet sensor in the pressure of the hold that follows. All rows of the hold have this deviation in common, and it
-//! relaxes as the gas does.
+//! Gas stirred by the piston exchanges heat in proportion to ∫ |v|^0.8 (T − Tw) A dt. The curve through a move's rows shows the
+//! travel well and the speed less so. Where the piston starts or stops between two of few rows, this uncertainty ([`open_share`])
+//! is many times the noise of a quiet sensor in the pressure of the hold that follows. All rows of the hold share this error, and
+//! it relaxes as the gas does.
 
 use super::block::Block;
 use super::spline::Spline;
@@ -12,22 +12,22 @@ use super::whiten::RELAXING;
 use chamber::effects::forced_convection::EXPONENT;
 use std::cell::Cell;
 
-/// Standard deviation of the heat that is open, over what half of the rows change of it, gap by gap: corners leave as much open, a
-/// smooth stroke a third of it.
+/// Standard deviation of the heat, over the rms difference, gap by gap, that leaving out half of the rows makes: corners leave as
+/// much uncertain, a smooth stroke a third of it.
 const LEFT_OPEN: f64 = 0.7;
-/// Rows of a move beyond which what they leave open is next to nothing.
+/// Rows of a move beyond which the uncertainty is negligible.
 const MANY: usize = 100;
-/// Parts of a gap between two rows that the speed is followed through.
+/// Parts of a gap between two rows in which the speed is evaluated.
 const PARTS: usize = 10;
 
-/// Share of the heat by the piston's speed that a move's rows leave open, as the curves through every second of them tell.
+/// Relative uncertainty of the heat by the piston's speed, from the curves through every second row of a move.
 fn open_share(stroke: &Spline) -> f64 {
     if stroke.is_line() || stroke.knots_inside() > MANY {
         return 0.0;
     }
     let near = Cell::new(0);
     let (time, from) = (stroke.knots().0, stroke.at(stroke.ends().0, &near).0);
-    // The gas is the warmer, or the colder, the longer its way was.
+    // The gas is the warmer, or the colder, the longer its travel was.
     let heat = |curve: &Spline, gap: &[f64]| -> f64 {
         let step = (gap[1] - gap[0]) / PARTS as f64;
         let moments = (0..PARTS).map(|part| gap[0] + step * (part as f64 + 0.5));
@@ -41,8 +41,8 @@ fn open_share(stroke: &Spline) -> f64 {
     LEFT_OPEN * most.sqrt() / whole.iter().sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
-/// Gives the blocks of moves, and of the holds behind them, what the moves' rows leave open by `by_speed_pa`: how the pressure of each row
-/// answers the heat of forced convection, Pa over the share of a small change of that; empty where the model has none.
+/// Adds to the blocks of moves, and of the holds behind them, the uncertainty from the moves' rows. `by_speed_pa` is the response
+/// of each row's pressure to the heat of forced convection, Pa per relative change of that heat; empty where the model has none.
 pub fn share(blocks: &mut [Block], motion: &Motion, by_speed_pa: &[f64]) {
     if by_speed_pa.is_empty() {
         return;
@@ -68,7 +68,7 @@ mod tests {
     use crate::record::readout::Readout;
     use crate::synthetic::{Move, Random, Shape, Stroke};
 
-    /// A move whose time between two rows is one, with its rows.
+    /// A move, with its rows one time unit apart.
     fn recorded(shape: Shape, length_s: f64, begin_s: f64) -> (Stroke, Spline) {
         let stroke = Stroke { moves: vec![Move { begin_s, length_s, ends_m: [0.0, 1.0], shape }], creep_m_per_s: 0.0 };
         let time: Vec<f64> = (-2..(begin_s + length_s) as i32 + 4).map(f64::from).collect();
@@ -77,7 +77,7 @@ mod tests {
         (stroke, curve)
     }
 
-    /// By which share the heat by speed along the curve through the rows is off.
+    /// Relative error of the heat by speed along the curve through the rows.
     fn off(stroke: &Stroke, curve: &Spline) -> f64 {
         const STEPS: usize = 4000;
         let (near, (begin, end)) = (Cell::new(0), curve.ends());

@@ -1,10 +1,9 @@
 //! The piston's stroke between the rows of a record.
 //!
-//! A move is a cubic spline near its samples that meets the holds around it, since straight lines between 100 Hz rows
-//! would put corners into a fast move (the chord of a sample misses the stroke by up to x″ h²/8); a short one by `smoothed`,
-//! a long one by `thinned`. A hold is the mean of its samples, so that the position's own noise is averaged away. A move at
-//! constant speed keeps its corners (`ramp`), as does one that leaves a hold at once or is stopped
-//! (`corner`). Position in m, time in s from the record's start.
+//! A move is a cubic spline near its rows that meets the holds around it, since straight lines between 100 Hz rows would put
+//! corners into a fast move (the chord misses the stroke by up to x″ h²/8); short moves use `smoothed`, long ones `thinned`. A
+//! hold is the mean of its rows, which averages the position noise out. A move at constant speed keeps its corners (`ramp`), as
+//! does one that leaves a hold abruptly or is stopped (`corner`). Position in m, time in s from the record's start.
 
 use crate::record::corner;
 use crate::record::moving::{moving, narrow, ranges};
@@ -35,7 +34,7 @@ pub enum Phase {
 pub struct Segment {
     /// What the piston does.
     pub phase: Phase,
-    /// Whether its rows were lost, so that nothing tells how the piston moved.
+    /// Whether its rows were lost, so that the motion is unknown.
     pub lost: bool,
     /// First row.
     pub first: usize,
@@ -47,12 +46,12 @@ pub struct Segment {
     pub to_s: f64,
     /// The stroke in it, m.
     pub stroke: Spline,
-    /// By how much the stroke may be early or late on the whole, s: what its rows leave open between them.
+    /// Uncertainty of the time by which the stroke as a whole may be early or late, s, since its course between rows is unknown.
     pub shift_s: f64,
 }
 
 impl Segment {
-    /// Rows whose mean errs as much as the stroke does by their noise: one where it goes through every row.
+    /// Number of rows whose mean has the same error as the stroke by their noise: one if it goes through every row.
     pub fn rows_in_stroke(&self) -> f64 {
         let every = (self.end - self.first) as f64 / self.stroke.knots().0.len() as f64;
         if every < FEWEST_TO_A_KNOT { 1.0 } else { thinned::rows_in_mean(every) }
@@ -63,11 +62,11 @@ impl Segment {
     }
 }
 
-/// Rows to a knot of a stroke that does not go through each of them.
+/// Least number of rows per knot of a stroke that does not go through each row.
 const FEWEST_TO_A_KNOT: f64 = 2.0;
-/// A stop shorter than this many rows is part of its move, ...
+/// A stop of fewer rows is part of its move, ...
 const SHORTEST_HOLD: usize = 10;
-/// ...or than this many readings where the position is read less often.
+/// ...or one of fewer readings, where the position is read less often.
 const FEWEST_READINGS_OF_HOLD: usize = 4;
 
 /// The whole stroke of a record.
@@ -77,7 +76,7 @@ pub struct Motion {
     pub segments: Vec<Segment>,
     /// Standard deviation of the measured position, m.
     pub noise_m: f64,
-    /// Rows from one reading of the position to the next; 1 where every row is one.
+    /// Rows from one reading of the position to the next; 1 where every row is a reading.
     pub rows_per_reading: usize,
 }
 
@@ -93,7 +92,7 @@ impl Motion {
         Self::of_ranges(&ranges(&moving), time_s, position_m, noise_m)
     }
 
-    /// The same where the rows that belong together are known, too.
+    /// The same for known ranges of rows that move or do not.
     fn of_ranges(ranges: &[(usize, usize, bool)], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Self {
         let mut segments: Vec<Segment> = Vec::with_capacity(ranges.len());
         let n = time_s.len();
@@ -122,7 +121,7 @@ impl Motion {
         Self { segments, noise_m, rows_per_reading: 1 }
     }
 
-    /// The same of the rows that are readings of the position; its segments count all rows.
+    /// The same from the rows that are readings of the position; its segments count all rows.
     pub fn through(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Self {
         Self::through_in(time_s, position_m, positions, position_noise(&positions.readings(position_m)))
     }
@@ -144,7 +143,7 @@ impl Motion {
         let last = motion.segments.len() - 1;
         let mut first = 0;
         for (k, segment) in motion.segments.iter_mut().enumerate() {
-            // A hold is over with its last reading: from there on the piston may move.
+            // A hold ends with its last reading: after it the piston may move.
             let end = match segment.phase {
                 _ if k == last => time_s.len(),
                 Phase::Move => rows[segment.end],
@@ -175,7 +174,7 @@ impl Motion {
         (self.segments[0].from_s, self.segments[self.segments.len() - 1].to_s)
     }
 
-    /// Number of the segment at that time, s: the first or the last one beyond the record's ends.
+    /// Index of the segment at a time, s: the first or the last one beyond the record's ends.
     pub fn segment_at(&self, time: f64) -> usize {
         self.segments.partition_point(|s| s.to_s < time).min(self.segments.len() - 1)
     }
@@ -185,7 +184,7 @@ impl Motion {
         self.segments.iter().map(|s| s.end - s.first).sum()
     }
 
-    /// Mean time from row to row, s.
+    /// Mean time between rows, s.
     pub fn row_s(&self) -> f64 {
         let (begin, end) = self.extent();
         (end - begin) / self.rows() as f64
@@ -197,10 +196,10 @@ impl Motion {
     }
 }
 
-/// A hold: a straight line through its rows, since a held piston creeps; its mean where no slope shows; a curve near its rows where
-/// it clearly moves otherwise.
+/// A hold: a straight line through its rows, since a held piston creeps; its mean if no slope shows; a curve near its rows if it
+/// clearly moves otherwise.
 fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
-    /// A slope of so many standard errors is creep.
+    /// A slope of this many standard errors is creep.
     const SLOPE_SHOWS: f64 = 4.0;
     let n = position_m.len();
     let constant = || Spline::through(vec![time_s[0]], vec![mean(position_m)], [None, None]);
@@ -211,17 +210,17 @@ fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     if is_off(&line, time_s, position_m, noise_m) {
         return thinned::through(time_s, position_m, [None, None], noise_m);
     }
-    // Rounded positions scatter less about a line than their error is.
+    // Rounded positions scatter less about a line than their true error.
     let ends = [time_s[0], time_s[n - 1]];
     let error = line.slope_error.max(noise_m * 12.0f64.sqrt() / ((ends[1] - ends[0]) * (n as f64).sqrt()));
     if line.slope.abs() > SLOPE_SHOWS * error { Spline::line(ends, ends.map(|t| line.at(t))) } else { constant() }
 }
 
-/// Whether the mean of one of a hold's parts lies off its line by more than the noise of its rows.
+/// Whether the mean of a part of a hold is off its line by more than the noise of its rows allows.
 fn is_off(line: &Line, time_s: &[f64], position_m: &[f64], noise_m: f64) -> bool {
     const PARTS: usize = 20;
     const FEWEST_ROWS: usize = 5;
-    /// In standard errors of the mean, and in those of a row.
+    /// In standard errors of the mean, and in standard deviations of a row.
     const DEVIATIONS: [f64; 2] = [6.0, 2.0];
     let size = (position_m.len() / PARTS).max(FEWEST_ROWS);
     let limit = noise_m * (DEVIATIONS[0] / (size as f64).sqrt()).max(DEVIATIONS[1]);
@@ -229,7 +228,7 @@ fn is_off(line: &Line, time_s: &[f64], position_m: &[f64], noise_m: f64) -> bool
     parts.any(|(t, x)| (mean(x) - line.at(mean(t))).abs() > limit)
 }
 
-/// A move: a spline near its rows that meets the holds before and after it, or begins and ends at corners with them.
+/// A move: a spline near its rows that meets the holds before and after it, or has corners with them.
 fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     let segment = &segments[k];
     let rows = segment.first..segment.end;
@@ -252,7 +251,7 @@ fn moved(k: usize, segments: &[Segment], time_s: &[f64], position_m: &[f64], noi
     curve.unwrap_or_else(|| Spline::through(time, value, speeds))
 }
 
-/// Makes a move between two holds a straight line where its rows say that it is one.
+/// Replaces a move between two holds by a straight line if its rows lie on one.
 fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[f64], noise_m: f64) {
     let around = k.saturating_sub(1)..(k + 2).min(segments.len());
     let [before, segment, after] = &mut segments[around] else { return };
@@ -268,7 +267,7 @@ fn straighten(k: usize, segments: &mut [Segment], time_s: &[f64], position_m: &[
     set(k, segments, Spline::line([begin, end], [from, to]));
 }
 
-/// Gives a move its stroke, and the holds around it the time that this leaves them.
+/// Sets a move's stroke, and adjusts the ends of the holds around it.
 fn set(k: usize, segments: &mut [Segment], stroke: Spline) {
     let (begin, end) = stroke.ends();
     if let Some(before) = k.checked_sub(1).map(|k| &mut segments[k]) {
@@ -305,7 +304,7 @@ mod tests {
         let (exact, _) = (record(|_| 0.0).1, ());
         let near = Cell::new(0);
         let push = &motion.segments[1];
-        // The push, and no more than a dozen rows before and after it.
+        // The push, and at most a dozen rows before and after it.
         let (early, late) = (0.3 - push.from_s, push.to_s - 0.48);
         assert!((0.0..0.135).contains(&early) && (0.0..0.135).contains(&late), "{} {}", push.from_s, push.to_s);
         for i in push.first..push.end {
@@ -328,7 +327,7 @@ mod tests {
         let motion = Motion::detect(&t, &x);
         assert_eq!(motion.segments.len(), 3);
         let [_, moved, _] = &motion.segments[..] else { return };
-        // Within the position's noise over √8 of where it is held.
+        // To within the position noise over √8 of the held positions.
         let off = |time: f64, held: f64| (push(time) - held).abs();
         assert!(off(moved.to_s, 0.01) < 5e-6 && off(moved.from_s, 0.03) < 5e-6, "{} {}", moved.from_s, moved.to_s);
         assert!(moved.to_s < 1.1 && moved.from_s > 0.1, "{} {}", moved.from_s, moved.to_s);
@@ -343,12 +342,12 @@ mod tests {
             for rest in 0..12u32 {
                 let push = |i: f64| 0.1 - 0.05 * way(((i - f64::from(rest)) / 30.0).clamp(0.0, 1.0));
                 let mut random = crate::synthetic::Random::new(u64::from(rest));
-                // Row by row, the first one from within the push where there is no rest.
+                // Row by row; the first one lies within the push if there is no rest.
                 let first = if rest == 0 { 10.0 } else { 0.0 };
                 let (t, x): (Vec<f64>, Vec<f64>) =
                     (0..300).map(f64::from).map(|i| (0.01 * i, push(first + i) + noise_m * random.normal())).unzip();
                 let motion = Motion::detect(&t, &x);
-                // A row is seen to stand by the three after it.
+                // A row is recognised as standing by the three after it.
                 match rest {
                     0 => assert!(!motion.starts_at_rest()),
                     5.. => assert!(motion.starts_at_rest(), "{rest} {noise_m}"),
@@ -411,7 +410,7 @@ mod tests {
         );
     }
 
-    /// What a record of `n` rows, `row_s` apart, says of a stroke in the noise, and how far its stroke is off at the worst.
+    /// The motion found in `n` rows, `row_s` apart, of a stroke with noise, and the largest error of its stroke.
     fn worst_of(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64) -> (Motion, f64) {
         let mut random = crate::synthetic::Random::new(6);
         let (t, x): (Vec<f64>, Vec<f64>) =
@@ -431,7 +430,7 @@ mod tests {
         };
         for noise_m in [5e-6, 2e-5] {
             let (motion, worst) = worst_of(stroke, 6000, 0.001, noise_m);
-            // A last swing of a few times the noise may stand alone.
+            // A last swing of a few times the noise may be a separate move.
             assert!((3..=5).contains(&motion.segments.len()));
             assert!(worst < 4.0 * noise_m, "{noise_m}: {worst}");
         }
@@ -498,7 +497,7 @@ mod tests {
     #[test]
     fn a_piston_that_sticks_and_slips_in_a_hold_is_followed() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        // 1.5 mm in a second and a half of a hold after 40 mm.
+        // 1.5 mm in one and a half seconds of a hold after 40 mm.
         let slip = |t: f64| 7e-4 * (smooth((t - 1.4).clamp(0.0, 1.0)) + smooth(((t - 2.1) / 0.8).clamp(0.0, 1.0)));
         let stroke = |t: f64| 0.1 - 0.04 * smooth(((t - 0.5) / 0.6).clamp(0.0, 1.0)) - slip(t);
         let (motion, worst) = worst_of(stroke, 200, 0.02, 5e-6);
@@ -562,7 +561,7 @@ mod tests {
         }
     }
 
-    /// A move of so many seconds, read at every 20th row of 500 in a second.
+    /// A move of this length, read at every 20th of 500 rows per second.
     fn read_slowly(length_s: f64) -> Motion {
         let mut random = crate::synthetic::Random::new(7);
         let stroke = |t: f64| {
@@ -581,7 +580,7 @@ mod tests {
         // From 0.813 s to 1.013 s: read at 0.8 s, at 1.04 s and at 1.08 s.
         assert_eq!([rest.end, moved.first], [20 * 19 + 1; 2]);
         assert_eq!((moved.end, hold.first), (540, 540));
-        // The piston is held from the first of these on.
+        // The piston is held from the first of the last two on.
         assert!((hold.from_s - 1.04).abs() < 1e-12, "{}", hold.from_s);
     }
 
@@ -591,7 +590,7 @@ mod tests {
         let short = read_slowly(0.06);
         let moved = &short.segments[1];
         assert_eq!(short.unfollowed(), vec![moved.first..moved.end; 1]);
-        // Late or early by 0.6 ms at the least.
+        // Uncertain by at least 0.6 ms.
         assert!((6e-4..1e-2).contains(&moved.shift_s), "{}", moved.shift_s);
     }
 }

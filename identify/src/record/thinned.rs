@@ -1,21 +1,21 @@
-//! The curve of a long move through few of its rows: local cubics through the rows around every few of them.
+//! The curve of a long move with few knots, each from a local cubic through the rows around it.
 //!
-//! Even knots, as far apart as leaves all rows together within their noise of the curve, and others between them where single rows
-//! ask for it (at a corner). Where no even knots do (a piston that starts at once and then tends to its end), few knots and others
-//! between them. The positions' noise no longer shakes the speed from row to row, and a simulation takes longer steps. Position in m,
-//! time in s.
+//! Knots are evenly spaced, as far apart as all rows together stay within their noise of the curve, with more between them where
+//! single rows ask for it (at a corner). If no even spacing does (a piston that starts at once and then approaches its end), a
+//! few knots are refined. The position noise then no longer shakes the speed from row to row, and a simulation takes longer
+//! steps. Position in m, time in s.
 
 use crate::record::local_cubic::local_cubic;
 use crate::record::spline::Spline;
 use std::cell::Cell;
 
-/// Rows of a move that is long.
+/// Fewest rows of a long move.
 pub const FEWEST_ROWS: usize = 100;
 
-/// Rows from one even knot to the next that are tried.
+/// Spacings of the even knots that are tried, rows.
 const EVERY: [usize; 7] = [1024, 512, 256, 128, 64, 32, 16];
 
-/// A long move's curve, of these speeds at its ends.
+/// Fits a long move's curve, with these speeds at its ends.
 pub fn through(time_s: &[f64], position_m: &[f64], ends: [Option<f64>; 2], noise_m: f64) -> Spline {
     let rows = Rows { time_s, position_m, ends, noise_m };
     let even = EVERY.into_iter().filter(|every| 8 * every < time_s.len()).find_map(|every| {
@@ -26,18 +26,19 @@ pub fn through(time_s: &[f64], position_m: &[f64], ends: [Option<f64>; 2], noise
     rows.refined(even.unwrap_or_else(|| vec![0, time_s.len() / 2, time_s.len() - 1]))
 }
 
-/// Root mean square of the rows' distances from the curve, over their noise, at the most: what is systematic in them stays near
-/// the curve's own error, which is smaller the more rows make a knot. The noise itself is known to a few per cent.
+/// Largest root mean square distance of the rows from the curve, over their noise. What is systematic in it stays near the
+/// curve's own error, which is the smaller the more rows a knot has. The noise itself is known to a few per cent.
 fn within(every: f64) -> f64 {
     (1.0 + 3.0 / every).sqrt().clamp(1.02, 1.1)
 }
 
-/// Rows whose mean errs, by the positions' noise and what is systematic, as much as a curve with `every` so many rows to a knot.
+/// Number of rows whose mean has the same error, from position noise and systematic deviations, as a curve with `every` rows per
+/// knot.
 pub fn rows_in_mean(every: f64) -> f64 {
     (within(every).powi(2) - 1.0 + 1.0 / every).recip().min(every)
 }
 
-/// Rows to put knots at: `every` so many in the middle, half the way to the next end of the move at most.
+/// Rows of the knots: `every` rows apart in the middle, at most half the distance to the nearer end of the move elsewhere.
 fn even_knots(n: usize, every: usize) -> Vec<usize> {
     std::iter::successors(Some(0), |i| Some(i + ((*i).min(n - 1 - i) / 2).clamp(1, every)))
         .take_while(|i| *i < n)
@@ -53,7 +54,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The curve through knots at these rows, each by the rows to either side up to the nearer one of its neighbours.
+    /// The curve through knots at these rows, each fitted to the rows on either side up to the nearer neighbouring knot.
     fn curve(&self, knots: &[usize]) -> Spline {
         let (t, x) = (0..knots.len())
             .map(|k| {
@@ -75,8 +76,8 @@ impl Rows<'_> {
         rows.map(|i| ((self.position_m[i] - curve.at(self.time_s[i], &near).0) / self.noise_m).powi(2)).sum()
     }
 
-    /// The curve through these knots and further ones, twice as close wherever the rows between two of them are farther from it than
-    /// their noise allows.
+    /// The curve with further knots added half way between two of them, wherever the rows there are farther from it than their
+    /// noise allows.
     fn refined(&self, mut knots: Vec<usize>) -> Spline {
         const DEVIATIONS: f64 = 3.0;
         loop {
@@ -115,7 +116,7 @@ mod tests {
                 let position: Vec<f64> = time.iter().map(|t| stroke(*t) + NOISE_M * random.normal()).collect();
                 let curve = through(&time, &position, [None, None], NOISE_M);
                 let rows_in_mean = rows_in_mean(f64::from(rows) / curve.knots().0.len() as f64);
-                // The rows at the ends of a move are single ones.
+                // The curve goes through single rows at the ends of a move.
                 for t in &time[50..time.len() - 50] {
                     off += (curve.at(*t, &near).0 - stroke(*t)).powi(2);
                     said += NOISE_M * NOISE_M / rows_in_mean;
@@ -136,7 +137,7 @@ mod tests {
             let motion = Motion::detect(&time, &position);
             let near = Cell::new(0);
             let off = |t: f64| motion.segments[motion.segment_at(t)].stroke.at(t, &near).0 - stroke(t);
-            // The curve through a record's ends goes on as it can.
+            // At a record's ends the curve is less certain.
             let times = (40..2 * rows - 40).map(|k| 0.5 * row_s * f64::from(k));
             let square = times.clone().map(|t| off(t).powi(2)).sum::<f64>() / times.count() as f64;
             assert!(square.sqrt() < 6e-6, "{frequency_hz} Hz: {}", square.sqrt());
@@ -158,7 +159,7 @@ mod tests {
             speed_off += (speed - 0.52 * (1.3 * between).cos()).powi(2) / 900.0;
         }
         assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
-        // Rows themselves give the speed to 1.4e-5/0.02 m/s.
+        // The rows themselves give the speed to 1.4e-5/0.02 m/s.
         assert!(speed_off.sqrt() < 2e-4, "{}", speed_off.sqrt());
     }
 
@@ -212,7 +213,7 @@ mod tests {
         let off = |t: f64| FILTER_S * (curve.at(t, &near).1 + speed(t - begin) - speed(t - end));
         let around = (0..600).map(|k| begin - 0.03 + 1e-4 * f64::from(k)).map(|t| off(t).powi(2));
         let rms_m = (around.sum::<f64>() / 600.0).sqrt();
-        // What the low-pass taken back adds to the position, of 1 mm from row to row.
+        // What taking back the low-pass adds to the position, of 1 mm from row to row.
         assert!(rms_m < 1.5e-4, "{rms_m}");
     }
 }

@@ -1,6 +1,6 @@
-//! The piston's stroke behind a record of it that is a moving average and has passed a low-pass: what `position_averaging`
-//! and `position_delay` take back, with its derivatives by the window and by the low-pass's time constant. Position in m,
-//! time in s from the record's start.
+//! The piston's true stroke, from a record that is a moving average and has passed a low-pass: what `position_averaging` and
+//! `position_delay` take back, with its derivatives by the window and by the low-pass's time constant. Position in m, time in s
+//! from the record's start.
 //!
 //! Around each motion the stroke is the spline of [`unaveraged`], elsewhere the record.
 
@@ -8,21 +8,21 @@ use crate::record::stroke::{Motion, Phase};
 use chamber::unaveraged::{self, Unaveraged};
 use std::cell::Cell;
 
-/// A stroke on the way: with the places of the recorded one that were asked last.
+/// The true stroke, with a cache of the places evaluated last.
 pub struct TrueStroke<'a> {
     motion: &'a Motion,
     window: f64,
     /// Time constant of the low-pass, s.
     filter: f64,
-    /// Around each motion the stroke behind the average, in time order.
+    /// The stroke behind the average around each motion, in time order.
     unaveraged: Vec<Unaveraged>,
-    /// Where stretches without a corner end: the segments of the record, and the splines.
+    /// Ends of the stretches without a corner: those of the record's segments, and of the splines.
     ends: Vec<f64>,
     near: Near,
 }
 
-/// The place that was asked last: number of the segment of the recorded stroke and of the piece in it, and of the stroke behind
-/// the average.
+/// The places evaluated last: indices of the recorded stroke's segment and of the piece in it, and of the stroke behind the
+/// average.
 #[derive(Default)]
 struct Near {
     segment: Cell<usize>,
@@ -37,15 +37,15 @@ pub struct Moment {
     pub position: f64,
     /// Velocity, m/s.
     pub velocity: f64,
-    /// Derivatives of position and velocity by the window, 1/s of each; the low-pass's share of the velocity's is left out.
+    /// Derivatives of position and velocity by the window, 1/s of each, without the low-pass's part of the latter.
     pub by_window: [f64; 2],
     /// Derivatives of position and velocity by the low-pass's time constant, 1/s of each.
     pub by_filter: [f64; 2],
 }
 
 impl<'a> TrueStroke<'a> {
-    /// Behind a record that averages over `window`, s, and has passed a low-pass of time constant `filter`, s; zero means
-    /// that the record is the stroke. Derivatives by the window are zero where not wanted.
+    /// For a record averaged over `window`, s, that has passed a low-pass of time constant `filter`, s; zero means that the
+    /// record is the stroke. Derivatives by the window are zero unless wanted.
     pub fn new(motion: &'a Motion, window: f64, filter: f64, with_derivatives: bool) -> Self {
         let ends: Vec<f64> = motion.segments.iter().map(|s| s.to_s).collect();
         let mut stroke = Self { motion, window, filter, unaveraged: Vec::new(), ends, near: Near::default() };
@@ -68,7 +68,7 @@ impl<'a> TrueStroke<'a> {
         self.ends.len()
     }
 
-    /// Where one of them ends, s.
+    /// End of a stretch, s.
     #[inline]
     pub fn end(&self, stretch: usize) -> f64 {
         self.ends[stretch]
@@ -81,9 +81,9 @@ impl<'a> TrueStroke<'a> {
         behind.checked_sub(1).filter(is_nearer).unwrap_or(behind)
     }
 
-    /// The longest first step on a stretch and the longest one at all, s: a fiftieth of the shortest part of the record in it, as
-    /// the step before means nothing there, and a tenth of the shortest move. What counts as a move begins and ends with rows of
-    /// rest, and the stages of a longer step may all fall on these.
+    /// The longest first step on a stretch and the longest step at all, s: a fiftieth of the shortest part of the record in it,
+    /// since the previous step tells nothing there, and a tenth of the shortest move. What counts as a move begins and ends with
+    /// rows of rest, and all stages of a longer step may fall on these.
     pub fn longest_steps(&self, stretch: usize) -> [f64; 2] {
         let begin = if stretch == 0 { self.motion.extent().0 } else { self.ends[stretch - 1] };
         let middle = 0.5 * (begin + self.ends[stretch]);
@@ -112,7 +112,7 @@ impl<'a> TrueStroke<'a> {
         self.before_filter(recorded, [0.0; 2])
     }
 
-    /// What has passed the low-pass, taken back: position, m, velocity, m/s, and acceleration, m/s², behind it.
+    /// Takes the low-pass back: position, m, velocity, m/s, and acceleration, m/s², are those behind it.
     #[inline(always)]
     fn before_filter(
         &self,
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_finite_differences() {
         let (_, motion) = record();
-        // With the window itself the number of knots is about to change.
+        // At the window itself the number of knots is about to change.
         let [less, middle, more] = [-1e-6, 0.0, 1e-6].map(|d| TrueStroke::new(&motion, 1.01 * WINDOW + d, 0.0, true));
         for t in [0.005, 0.013, 0.38, 0.45, 0.5123, 0.6, 0.71, 1.0, 1.49] {
             let Moment { velocity, by_window, .. } = along(&middle, t);

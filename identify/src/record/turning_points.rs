@@ -2,12 +2,12 @@
 
 use records::extremes;
 
-/// A piston turns where it comes back by this share of its way...
+/// A piston turns where it comes back by this fraction of its travel...
 const WAY_BACK: f64 = 0.02;
-/// ...and by so many times the noise of its positions.
+/// ...and by this multiple of the noise of its positions.
 const WAY_BACK_IN_NOISE: f64 = 10.0;
 
-/// Which of these positions, m, with that noise, the piston turns at.
+/// Rows at which the piston turns, from its positions, m, with this noise, m.
 pub fn turning_points(position_m: &[f64], noise_m: f64) -> Vec<usize> {
     let (low, high) = extremes(position_m);
     by_way_back(position_m, (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * noise_m))
@@ -16,7 +16,7 @@ pub fn turning_points(position_m: &[f64], noise_m: f64) -> Vec<usize> {
 /// Rows at which a position, m, turns: it comes back by more than `least_m` from there.
 fn by_way_back(position_m: &[f64], least_m: f64) -> Vec<usize> {
     let mut out = Vec::new();
-    // The farthest position since the last turn, either way while there was none.
+    // The extreme positions since the last turn; in both directions before the first one.
     let (mut highest, mut lowest) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
     let mut rises = None;
     for (row, position) in position_m.iter().copied().enumerate() {
@@ -29,7 +29,7 @@ fn by_way_back(position_m: &[f64], least_m: f64) -> Vec<usize> {
         let has_fallen = rises != Some(false) && highest.1 - position > least_m;
         let has_risen = rises != Some(true) && position - lowest.1 > least_m;
         if has_fallen || has_risen {
-            // The first way has no turn before it.
+            // The first stroke has no turn before it.
             if rises.is_some() {
                 out.push(if has_fallen { highest.0 } else { lowest.0 });
             }

@@ -1,20 +1,20 @@
-//! Moves that are over before the position has been read often enough to show their course.
+//! Moves that end before the position has been read often enough to show their course.
 //!
-//! The curve through fewer than three readings under way misses 1 to 5 % of a move's way, far more than the noise of a pressure:
-//! readings in such a move tell of the stroke and not of the gas. The hold after it knows the course by the heat that the gas
-//! exchanged in the meantime, the integral of (T − Tw) A over the move. To first order a wrong course is one that was early or late
-//! on the whole, as its mean position tells ([`Spline::open_shift`]). T − Tw being no linear function of the position, more is open
-//! than that: [`SHIFT`].
+//! The curve through fewer than three readings under way misses 1 to 5 % of a move's travel, far more than the noise of a
+//! pressure: readings in such a move tell about the stroke and not about the gas. The hold after it depends on the course through
+//! the heat exchanged in the move, the integral of (T − Tw) A. To first order a wrong course is one that is early or late as a
+//! whole, as its mean position tells ([`Spline::open_shift`]). Since T − Tw is no linear function of the position, a further
+//! uncertainty remains: [`SHIFT`].
 
 use crate::record::spline::Spline;
 
-/// Fewer readings under way do not show a move's course.
+/// Fewest readings under way that show a move's course.
 const FEWEST_READINGS: usize = 3;
-/// Standard deviation of the time by which the course is early or late for the gas where its mean position is right, over the time
-/// between two readings. With two readings under way it is a third of that.
+/// Standard deviation of the time by which the course is early or late for the gas if its mean position is right, over the time
+/// between two readings. With two readings under way it is a third of this.
 pub const SHIFT: f64 = 0.015;
 
-/// Whether a move through its readings shows too few of them.
+/// Whether a move has too few readings under way.
 pub fn is_unfollowed(stroke: &Spline) -> bool {
     !stroke.is_line() && stroke.knots_inside() < FEWEST_READINGS
 }
@@ -25,11 +25,11 @@ mod tests {
     use crate::synthetic::{Move, Random, Shape, Stroke};
     use std::cell::Cell;
 
-    /// Steps that integrals over a move are taken in.
+    /// Number of integration steps over a move.
     const STEPS: usize = 1000;
 
-    /// Of the time between two readings: by how much a course is late for the gas beyond what its mean position says. The volume
-    /// ratio is that of the move's end, the area half as large as that of all walls without the way.
+    /// How late a course is for the gas beyond what its mean position tells, over the time between two readings. The volume ratio
+    /// is that of the move's end; the area is half that of all walls, without that along the stroke.
     fn beyond_mean(random: &mut Random) -> Option<f64> {
         let (length, begin) = (random.between(0.2, 1.99), random.uniform());
         let shape = random.one_of(&Shape::ALL);

@@ -1,9 +1,9 @@
-//! Records that are not like their repeats: a reading that stood still for a while, a clipped position, a port opened in between.
+//! Records unlike their repeats: a reading that stood still for a while, a clipped position, a port opened in between.
 //!
-//! Repeats of a test show the same gas in the same course, whatever a model lacks: what it leaves of one of them less what it leaves of the
-//! others is free of that. There is noise in it, a zero and a drift of the gauge, and what makes tests differ, such as how warm the
-//! wall was. A record that differs by many times as much, over the range of its pressures, has a fault that no other one has. Which of
-//! two repeats has it a model tells that is fitted without both.
+//! Repeats of a test show the same gas in the same course, whatever a model lacks: its residual in one of them less that in the
+//! others is free of that. It contains noise, a zero and a drift of the gauge, and what makes tests differ, such as how warm the
+//! wall was. A record that differs by many times as much, over the range of its pressures, has a fault that no other one has.
+//! Which of two repeats is faulty is decided by a model fitted without both.
 
 use super::data::{Data, Prepared};
 use super::noise::polynomial_residual;
@@ -11,29 +11,29 @@ use super::repeats;
 use super::stroke::Phase;
 use records::extremes;
 
-/// Records that tell how much repeats differ.
+/// Fewest other records that tell how much repeats differ.
 const FEWEST_OTHERS: usize = 4;
-/// A record is unlike its repeats if it differs by so many times as much as others do...
+/// A record is unlike its repeats if it differs by this multiple of what others do...
 const TIMES: f64 = 10.0;
-/// ...all but this share of them, which may have faults too.
+/// ...except for this fraction of the others, which may have faults too.
 const ALL_BUT: f64 = 0.2;
-/// A model that is fitted without two repeats tells which of them is faulty where it errs in that by so many times what it errs in the
+/// A model fitted without two repeats shows which of them is faulty if its error in that one is this multiple of its error in the
 /// other one.
 const FAULTY: f64 = 2.0;
-/// Coefficients of a zero and a drift, which a record may have for itself.
+/// Number of coefficients of a zero and a drift, which each record may have.
 const ZERO_AND_DRIFT: usize = 2;
 
 /// How much the records of a test differ from each other.
 struct Test {
     /// The record that differs most from the others, or both of two.
     suspects: Vec<usize>,
-    /// By how much that is, over the range of its pressures.
+    /// That difference, over the range of its pressures.
     differ: f64,
-    /// By how much each of the others differs from the rest of them, or each of two from the other one.
+    /// Difference of each of the others from the rest of them, or of each of two from the other one.
     usual: Vec<f64>,
 }
 
-/// The records that are unlike their repeats, by what a model leaves of the rows of all, Pa; both of two that are unlike each other.
+/// The records that are unlike their repeats, by a model's residuals in all rows, Pa; both of two that are unlike each other.
 pub fn among(data: &Data, residuals: &[Vec<f64>]) -> Vec<usize> {
     let compared = (0..data.experiments.len()).filter_map(|experiment| compared(data, residuals, experiment));
     let tests: Vec<Test> = compared.collect();
@@ -51,7 +51,7 @@ pub fn among(data: &Data, residuals: &[Vec<f64>]) -> Vec<usize> {
     tests.iter().enumerate().filter(is_unlike).flat_map(|(_, test)| test.suspects.iter().copied()).collect()
 }
 
-/// The records of a test beside each other, where there are repeats in the same course.
+/// Compares the records of a test, if there are repeats with the same course.
 fn compared(data: &Data, residuals: &[Vec<f64>], experiment: usize) -> Option<Test> {
     let noise_pa = data.noise.total_pa();
     let differs = |k: usize, from: &[usize]| {
@@ -74,7 +74,7 @@ fn compared(data: &Data, residuals: &[Vec<f64>], experiment: usize) -> Option<Te
     Some(Test { suspects: vec![suspect], differ, usual })
 }
 
-/// Of two repeats that were left out the one that a model fitted without them describes much better than the other one.
+/// Of two repeats that were left out, the one that a model fitted without them describes much better than the other one.
 pub fn better_of_pairs(data: &Data, residuals: &[Vec<f64>], unlike: &[usize]) -> Vec<usize> {
     let of_test = |k: usize| data.traces[k].experiment;
     let is_pair = |pair: &&[usize]| of_test(pair[0]) == of_test(pair[1]);
@@ -90,7 +90,7 @@ pub fn better_of_pairs(data: &Data, residuals: &[Vec<f64>], unlike: &[usize]) ->
     better.collect()
 }
 
-/// Root mean square of what a model leaves of a record in its rests and holds, left out or not, Pa.
+/// Root mean square of a model's residuals in the rests and holds of a record, left out or not, Pa.
 fn at_rest_rms(t: &Prepared, residual: &[f64]) -> f64 {
     let held = t.course.motion.segments.iter().filter(|s| s.phase != Phase::Move);
     root_mean_square(&held.flat_map(|s| residual[s.first..s.end].iter().copied()).collect::<Vec<f64>>())
@@ -105,8 +105,8 @@ fn range_pa(t: &Prepared) -> f64 {
     high - low
 }
 
-/// Root mean square of what a model leaves of a record less the mean of what it leaves of others, in rests and holds, about a straight line
-/// in time, Pa.
+/// Root mean square, about a straight line in time, of a model's residual in a record less its mean residual in others, in rests
+/// and holds, Pa.
 fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usize]) -> f64 {
     let all: Vec<usize> = [&[record], others].concat();
     let traces: Vec<&Prepared> = all.iter().map(|k| &data.traces[*k]).collect();
@@ -115,7 +115,7 @@ fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usiz
         let rows = repeats::data_beside_each_other(&traces, segment);
         let left = |k: usize, i: usize| residuals[all[k]][rows[k][i]];
         let of_others = |i: usize| (1..all.len()).map(|k| left(k, i)).sum::<f64>() / others.len() as f64;
-        // Behind rows that one of them lacks, others stand beside each other.
+        // Behind rows that one of them lacks, the alignment pairs rows of different times.
         let since_begin = |k: usize, i: usize| traces[k].time_s[rows[k][i]] - traces[k].time_s[rows[k][0]];
         let is_beside = |i: &usize| {
             (1..all.len()).all(|k| (since_begin(k, *i) - since_begin(0, *i)).abs() < 0.5 * traces[0].row_s())
@@ -136,7 +136,8 @@ mod tests {
     use crate::synthetic::Recipe;
     use records::Rig;
 
-    /// A rig with a leak, which the paper's model lacks, one record of which is changed row by row: time, s, pressure, Pa, and position, m.
+    /// A rig with a leak, which the paper's model lacks, with one record changed row by row: time, s, pressure, Pa, and position,
+    /// m.
     fn rig(change: impl Fn(f64, &mut f64, &mut f64)) -> Rig {
         let recipe = Recipe::from_seed(5);
         let mut rig = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]).rig();
@@ -148,7 +149,7 @@ mod tests {
         rig
     }
 
-    /// The records that are left out of the fit of the paper's model, and what the user is told.
+    /// The records left out of the fit of the paper's model, and what the user is told.
     fn left_out_of(rig: &Rig) -> (Vec<usize>, Vec<String>) {
         let (data, _) = baseline::fitted(Data::prepare(rig).unwrap()).unwrap();
         let is_left_out = |k: &usize| data.traces[*k].readout.unlike_others.is_some();
@@ -203,7 +204,7 @@ mod tests {
         let data = Data::prepare(&rig(|_, _, _| ())).unwrap();
         let (data, fit) = baseline::fitted(data).unwrap();
         let mut residuals = misfit::residuals(&data, &fit);
-        // Gas that begins as much warmer or colder, differently in each record.
+        // Gas that begins somewhat warmer or colder, differently in each record.
         for (k, residual) in residuals.iter_mut().enumerate() {
             let warm_pa = 0.01 * range_pa(&data.traces[k]) * [1.0, 0.4, -1.2, 0.7, 1.9][k % 5];
             residual.iter_mut().zip(&data.traces[k].time_s).for_each(|(r, t)| *r += warm_pa * (-t / 0.7).exp());

@@ -1,24 +1,24 @@
-//! What a moving average leaves open of a stroke: moves hardly longer than the window are not found again.
+//! What a moving average hides of a stroke: moves hardly longer than the window cannot be recovered.
 //!
 //! The stroke behind an average ([`chamber::unaveraged`]) lacks what changes faster than its window. The sixth difference δ⁶ of
-//! the record over steps of half a window tells where: pushes of 1.25 to 3 windows come out with an error that is 0.6 to 0.9 times
-//! the largest δ⁶/70 within half a window, rms, and so much is stated. Position in m, time in s.
+//! the record over steps of half a window tells where: pushes of 1.25 to 3 windows are recovered with an rms error of 0.6 to 0.9
+//! times the largest δ⁶/70 within half a window, which is the error stated here. Position in m, time in s.
 
 use crate::record::stroke::{Motion, Phase, Segment};
 use crate::record::true_stroke::TrueStroke;
 
 /// Binomial weights of the sixth difference.
 const WEIGHTS: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// Share of the sixth difference that may be missed.
+/// Fraction of the sixth difference that may be missed.
 const MISSED: f64 = 1.0 / 70.0;
-/// Where the error is looked at around a moment, in windows.
+/// Where the error is evaluated around a time, in windows.
 const AROUND: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
 
-/// Recorded moves up to so many windows long are hardly longer than one: the record lengthens them by a window, and their
-/// gentle begins and ends are looked for in some rows more.
+/// Recorded moves of up to this many windows are hardly longer than one: the record lengthens them by a window, and the search
+/// for their gentle starts and ends takes in some further rows.
 const SHORT: f64 = 8.0;
 
-/// Whether most of the way of a record that is a moving average over `window`, s, is in moves hardly longer than that.
+/// Whether most of the travel of a record averaged over `window`, s, is in moves hardly longer than that.
 pub fn hides_moves(motion: &Motion, window: f64) -> bool {
     let way = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
         let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move && is_asked(s));
@@ -35,12 +35,12 @@ pub struct Unresolved<'a> {
 }
 
 impl<'a> Unresolved<'a> {
-    /// Behind a record that averages over `window`, s.
+    /// For a record averaged over `window`, s.
     pub fn new(motion: &'a Motion, window: f64) -> Self {
         Self { recorded: TrueStroke::new(motion, 0.0, 0.0, false), extent: motion.extent(), window }
     }
 
-    /// How far the stroke may be off at a time, m.
+    /// Error of the stroke at a time, m.
     pub fn error_m(&self, time: f64) -> f64 {
         if self.window == 0.0 {
             return 0.0;
@@ -48,7 +48,7 @@ impl<'a> Unresolved<'a> {
         AROUND.iter().map(|place| self.missed(time + place * self.window)).fold(0.0, f64::max)
     }
 
-    /// What of a sixth power is missed at a time, m.
+    /// What the average hides at a time, from the sixth difference, m.
     fn missed(&self, middle: f64) -> f64 {
         let (begin, end) = self.extent;
         let at = |i: usize| {
@@ -63,7 +63,7 @@ impl<'a> Unresolved<'a> {
 mod tests {
     use super::*;
 
-    /// A push of that length, s, recorded at 1 kHz as a moving average over 40 ms, and the stroke itself.
+    /// A push of this length, s, recorded at 1 kHz as a moving average over 40 ms, and the stroke itself.
     fn push(length: f64) -> (impl Fn(f64) -> f64, Motion) {
         const WINDOW: f64 = 0.04;
         let truth =

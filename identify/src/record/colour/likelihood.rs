@@ -1,6 +1,7 @@
-//! The likelihood of a noise in windows, and the processes that raise it most.
+//! Likelihood of a noise in windows, and the processes that raise it most.
 //!
-//! Windows are free of a polynomial each, and of what a hold's readings have in common; the innovations are those of a Kalman filter ([`Whitener`]).
+//! Each window is free of a polynomial, and of the errors common to a hold's readings; the innovations are those of a Kalman
+//! filter ([`Whitener`]).
 
 use super::windows::Window;
 use crate::policy::DECISIVE;
@@ -10,21 +11,21 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// Distance of the frequencies that are looked at, in periods of the longest window.
+/// Spacing of the trial frequencies, in periods of the longest window.
 const FINENESS: f64 = 0.5;
-/// Most rounds of trials in which a size, a time or a frequency is moved on: far more than a search takes that comes to an end.
+/// Most rounds of trials in which a size, a time or a frequency is changed: far more than a search that converges needs.
 const MOST_ROUNDS: usize = 100;
-/// Longest windows in which a line keeps its phase: what loses it sooner is a colour, what keeps it longer is a sine.
+/// Coherence of a line, in longest windows: one that loses its phase sooner is a colour, one that keeps it longer is a sine.
 pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
-/// A line's variance is no more than what the windows show of it and so many standard errors more, by one in each of √n windows: few
-/// windows happen to show less than is usual.
+/// A line's variance is at most what the windows show of it plus this many standard errors, 1/√n for n windows: a few windows
+/// happen to show less than usual.
 const SEEN_WITHIN: f64 = 3.0;
-/// In single records a model has adapted to a line of few periods, but not to more of it than leaves this share of its variance.
+/// In single records a model has adapted to a line of few periods, but has left at least this fraction of its variance.
 const SEEN_ALONE: f64 = 0.25;
-/// What the criterion asks of a process beyond its two numbers, since its time or frequency is chosen among many.
+/// Cost of a process beyond its two parameters, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
-/// A whitener that serves every window of this distance and of no more values, with the powers of time whitened by it.
+/// A whitener for every window with this time step and no more values, and the powers of time whitened by it.
 struct Ruler {
     distance_s: f64,
     averaged: usize,
@@ -46,27 +47,27 @@ impl Ruler {
     }
 }
 
-/// Of noise in these windows.
+/// Likelihood of noise in these windows.
 pub struct Likelihood<'a> {
     pub windows: &'a [Window],
     /// Coefficients of the polynomial that each window is free of.
     pub free: usize,
-    /// Periods of a hum that the longest window has at least.
+    /// Fewest periods of a hum in the longest window.
     pub fewest_periods: f64,
-    /// Whether the windows are contrasts of repeats, in which a line shows as large as it is.
+    /// Whether the windows are contrasts of repeats, which show a line at its full size.
     pub pure: bool,
-    /// The white part is no smaller than this, Pa. Without an end the likelihood of windows without noise would rise for ever
-    /// as the white part shrinks beside a coloured one.
+    /// Least white part, Pa. Without this limit the likelihood of windows without noise would rise for ever as the white part
+    /// shrinks beside a coloured one.
     pub least_pa: f64,
 }
 
 impl Likelihood<'_> {
-    /// Values in all windows.
+    /// Number of values in all windows.
     pub fn points(&self) -> usize {
         self.windows.iter().map(|w| w.values.len()).sum()
     }
 
-    /// −2 ln L with the noise's size at its maximum, or where its white part is the least, and the noise of that size.
+    /// −2 ln L with the noise scaled to its maximum, or to the least white part, and the scaled noise.
     pub fn scaled(&self, shape: &Noise) -> (f64, Noise) {
         let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
         let mut known: Option<Ruler> = None;
@@ -104,9 +105,9 @@ impl Likelihood<'_> {
         (freedom * (free / variance + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
-    /// White noise, with hum where that is known, and with the processes that pay: coloured ones of up to `longest_s`, flicker noise
-    /// of up to `record_s`. Where the windows do not tell coloured noise from flicker noise, which wanders over all of a record, it
-    /// is taken for that: an effect that is there can be found in more records, one that is not is believed.
+    /// The best noise: white, with the hum if it is known, and with the processes that pay: coloured ones of up to `longest_s`,
+    /// or flicker noise of up to `record_s`. Where the windows do not tell coloured noise from flicker noise, which wanders over
+    /// the whole record, the latter is taken: a missed effect can be found in more records, a false one is believed.
     pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
         let coloured = self.coloured(white.clone(), longest_s);
@@ -120,19 +121,19 @@ impl Likelihood<'_> {
         if let Some(humming) = self.humming(&coloured.1) {
             best = self.better(best, humming);
         }
-        // A colour whitens a slow hum away that alone is the better account.
+        // A colour may whiten a slow hum away that alone explains the data better.
         if let Some(humming) = self.humming(&white.1).filter(|_| !coloured.1.colours.is_empty()) {
             best = self.better(best, self.coloured(humming, longest_s));
         }
         self.tuned(best, COHERENT).1
     }
 
-    /// The better of two: each process beyond white noise has to pay for its two numbers, as does flicker noise.
+    /// The one of lower cost: each process beyond white noise has to pay for its two parameters, as does flicker noise.
     fn better(&self, a: (f64, Noise), b: (f64, Noise)) -> (f64, Noise) {
         if self.cost(&b) < self.cost(&a) { b } else { a }
     }
 
-    /// −2 ln L of a noise and the price of its numbers.
+    /// −2 ln L of a noise, and the cost of its parameters.
     fn cost(&self, (deviance, noise): &(f64, Noise)) -> f64 {
         let two_numbers = 2.0 * (self.points() as f64).ln() + CHOSEN_AMONG_MANY;
         let colours = if noise.flickers() { 1.0 } else { noise.colours.len() as f64 };
@@ -149,7 +150,7 @@ impl Likelihood<'_> {
     /// With the best flicker noise.
     fn flickering(&self, white: &Noise, record_s: f64) -> (f64, Noise) {
         const FACTOR: f64 = 3.0;
-        /// A band narrower than this is a single process.
+        /// A narrower band, longest over shortest time, is a single process.
         const NARROWEST: f64 = 100.0;
         let mut best = (f64::INFINITY, white.clone());
         let mut from_s = self.shortest_s();
@@ -164,7 +165,7 @@ impl Likelihood<'_> {
         best
     }
 
-    /// With flicker noise of the best size whose processes have times from the one to the other, s.
+    /// With flicker noise of the best size, whose processes have times between these two, s.
     fn flickering_from(&self, white: &Noise, [from_s, to_s]: [f64; 2]) -> (f64, Noise) {
         let ratio = (to_s / from_s).powf(1.0 / (FLICKER_COLOURS - 1) as f64);
         let of_size = |share: f64| {
@@ -186,24 +187,24 @@ impl Likelihood<'_> {
         best
     }
 
-    /// Twice the shortest distance of two values, s.
+    /// Twice the shortest time step between two values, s.
     fn shortest_s(&self) -> f64 {
         2.0 * self.windows.iter().map(|w| w.distance_s).fold(f64::INFINITY, f64::min)
     }
 
-    /// With the line that stands out of what this noise leaves, if there is one.
+    /// With the line that stands out from what this noise leaves, if there is one.
     fn humming(&self, noise: &Noise) -> Option<(f64, Noise)> {
         let hum = self.line(noise)?;
-        // A colour must not take up what a hum leaves that is not as large yet as it is.
+        // A colour must not take up what a hum that is still too small leaves.
         Some(self.tuned(self.scaled(&Noise { hum: Some(hum), ..noise.clone() }), COHERENT))
     }
 
-    /// The line's frequency, size and coherence, where there is one, moved up and down by steps that shrink, as long as that helps:
-    /// the periodogram of a slow hum has few frequencies to choose from, and the polynomial that the windows are free of shifts
-    /// its peak. A line that keeps its phase for longer is larger by the same windows, as less of it begins anew in each. It does so for
-    /// `coherent` longest windows.
+    /// Tunes the line's frequency, size and coherence, if there is one, up and down by shrinking steps, as long as that helps:
+    /// the periodogram of a slow hum has few frequencies, and the polynomial that the windows are free of shifts its peak. With a
+    /// longer coherence the same windows give a larger line, since less of it is renewed in each. The coherence stays within
+    /// `coherent`, in longest windows.
     pub fn tuned(&self, mut best: (f64, Noise), coherent: RangeInclusive<f64>) -> (f64, Noise) {
-        /// Steps of the frequency, and powers of the factor for size and coherence.
+        /// Steps of the frequency, and powers of the factor for size and for coherence.
         const MOVES: [(f64, i32, i32); 8] = [
             (1.0, 0, 0),
             (-1.0, 0, 0),
@@ -243,11 +244,11 @@ impl Likelihood<'_> {
         best
     }
 
-    /// Whether the windows scatter as much as a line of this size makes them. A line of about a period may come out far larger: its
-    /// sine and cosine then cancel each other where they follow what is no line.
+    /// Whether the windows scatter as much as a line of this size makes them. A line of about one period may come out far larger:
+    /// its sine and cosine then cancel where they follow something else.
     fn is_seen(&self, noise: &Noise) -> bool {
         let Some(hum) = noise.hum else { return true };
-        // The mean of a sine whose phase is anyone's has the variance sinc² of the sine's.
+        // The mean of a sine with a random phase has sinc² times the variance of the sine.
         let of_a_sine = |w: &Window| {
             let n = w.values.len() as f64;
             let half_turn = PI * hum.frequency_hz * w.distance_s * n;
@@ -279,12 +280,12 @@ impl Likelihood<'_> {
                 }
             }
         }
-        // Within a record a memory of two of them is a random walk. With a longer one its whole level would count as noise: what a
-        // model errs by in the same way throughout.
+        // Within a record, a process with a memory of two records is a random walk. With a longer memory the whole level of a
+        // record would count as noise, and with it a constant error of the model.
         self.improved(best, 2.0 * longest_s)
     }
 
-    /// Every colour's size and time moved, up and down by factors that shrink, as long as that helps.
+    /// Changes every colour's size and time up and down by shrinking factors, as long as that helps.
     fn improved(&self, mut best: (f64, Noise), longest_s: f64) -> (f64, Noise) {
         let mut factor: f64 = 1.8;
         for _ in 0..MOST_ROUNDS {
@@ -312,7 +313,7 @@ impl Likelihood<'_> {
         best
     }
 
-    /// A line that stands out of the innovations' periodogram.
+    /// The line that stands out from the innovations' periodogram, if there is one.
     pub fn line(&self, noise: &Noise) -> Option<Hum> {
         const STANDS_OUT: f64 = 12.0;
         let longest = self.windows.iter().max_by_key(|w| w.values.len())?;
@@ -336,7 +337,7 @@ impl Likelihood<'_> {
             .collect();
         let mean = whitened.len() as f64;
         let (frequency_hz, power) = powers.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        // Under noise the sum of n periodograms has mean n and deviation √n.
+        // For noise, the sum of n periodograms has mean n and standard deviation √n.
         if power < mean + STANDS_OUT * mean.sqrt() + STANDS_OUT {
             return None;
         }
@@ -379,7 +380,7 @@ fn power(values: &[f64], angle: f64) -> f64 {
     (s1 * s1 + s2 * s2 - twice * s1 * s2) / values.len() as f64
 }
 
-/// All of a noise so many times as large.
+/// The noise with all of its parts scaled by a factor.
 pub fn scale_by(noise: &Noise, factor: f64) -> Noise {
     let mut out = noise.clone();
     out.white_pa *= factor;
@@ -489,7 +490,7 @@ mod tests {
             Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
-        // 40 Pa in each half of a decade.
+        // 40 Pa in each half decade.
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.2, "{found:?}");
         assert!((found.white_pa / 60.0 - 1.0).abs() < 0.1, "{found:?}");
     }
@@ -518,13 +519,13 @@ mod tests {
             let [one, flicker] = [likelihood.coloured(white.clone(), 1.2), likelihood.flickering(&white.1, 60.0)];
             coloured += usize::from(likelihood.cost(&one) < likelihood.cost(&flicker));
         }
-        // By the likelihood alone some of them would have passed for noise of one time.
+        // By the likelihood alone, some of them would have passed for noise of one time.
         assert!(coloured > 0);
     }
 
     #[test]
     fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
-        // A decay of 1 Pa without any noise: the likelihood of a colour alone has no end.
+        // A decay of 1 Pa without any noise: the likelihood of a colour alone has no maximum.
         let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
         let likelihood =
             Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 5.0 };
@@ -548,7 +549,7 @@ mod tests {
 
     #[test]
     fn a_line_in_contrasts_is_no_larger_than_they_show_and_in_single_records_no_more_than_twice_as_large() {
-        // Repeats that begin warmer or colder than the wall differ by what relaxes: no line.
+        // Repeats that begin warmer or colder than the wall differ by a relaxation: no line.
         let mut random = Random::new(21);
         let windows: Vec<Window> = (0..20)
             .map(|_| {

@@ -1,13 +1,13 @@
-//! The coloured part of a recording's noise, from the residuals of a fit.
+//! The coloured part of a recording's noise, estimated from the residuals of a fit.
 //!
-//! Repeats of one experiment give pure error: the contrasts between them hold noise of whatever colour and nothing that
-//! they have in common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats
-//! windows in rests and in the later halves of holds are used, free of a cubic each (restricted likelihood): what is slower
-//! may be the gas. White noise alone, with one or with two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a
-//! line are compared by BIC; each by maximum likelihood, the innovations from a Kalman filter (`likelihood`). Flicker noise has
-//! two numbers, its size and its shortest time: it is a sum of equally large processes whose times are evenly spaced on a
-//! logarithmic scale up to the length of a record, so that windows tell its wander over all of it. Sources: D. A.
-//! Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
+//! Repeats of one experiment give pure error: the contrasts between them hold noise of any colour and nothing that they have in
+//! common (Helmert contrasts, each with the covariance of one record and free of its mean). Without repeats, windows in rests and
+//! in the later halves of holds are used, each free of a cubic (restricted likelihood): anything slower may be the gas. White
+//! noise alone, with one or two Ornstein–Uhlenbeck processes, with flicker (1/f) noise, and with a line are compared by BIC, each
+//! fitted by maximum likelihood, with the innovations of a Kalman filter (`likelihood`). Flicker noise has two parameters, its
+//! size and its shortest time: it is a sum of processes of equal size whose times are evenly spaced on a logarithmic scale up to
+//! the length of a record, so that windows determine its wander over all of it. Sources: D. A. Harville, J. Am. Stat. Assoc. 72
+//! (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
 
 mod likelihood;
 mod windows;
@@ -18,32 +18,32 @@ use crate::record::noise::{Hum, Noise};
 use likelihood::{COHERENT, Likelihood, scale_by};
 use windows::{Window, in_keeping, quiet_rows, window, windows};
 
-/// Coefficients of the polynomial that a window of a single record is free of.
+/// Number of coefficients of the polynomial that a window of a single record is free of.
 const FREE_ALONE: usize = 4;
-/// Those that a contrast of repeats is free of: its mean, in which zeros of gauges differ and wander that began earlier shows. So is a
-/// window in which a hum is to be all there is.
+/// The same for a contrast of repeats: only its mean, which contains the zeros of gauges and earlier wander. Also for a window in
+/// which a hum is to be the only slow noise.
 const FREE_IN_CONTRAST: usize = 1;
-/// Most points looked at in all.
+/// Most values used in all windows together.
 const MOST_POINTS: usize = 30_000;
-/// Fewest points that say anything about colour.
+/// Fewest values that tell anything about colour.
 const FEWEST_POINTS: usize = 120;
-/// Periods of a hum that the longest window has at least where there are no repeats: fewer may be the gas.
+/// Fewest periods of a hum in the longest window where there are no repeats: with fewer it may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
-/// Periods that show a line at all: enough in a contrast, which is free of the gas. With half of one a model that misses the moves
-/// passes for a hum in the holds behind them.
+/// Fewest periods that show a line at all: enough in a contrast, which is free of the gas. With half a period, a model that
+/// misses the moves would pass for a hum in the holds behind them.
 const FEWEST_SEEN: f64 = 1.0;
 
-/// Slow noise is no larger than this share of the range of a record's pressures: a sensor that wanders or hums by a twentieth of what it
-/// measures is broken, and a model that lacks an open port or a wrong unit leaves as much.
+/// Largest slow noise, as a fraction of the range of a record's pressures: a sensor that wanders or hums by a twentieth of what
+/// it measures is broken, and a model that lacks an open port, or has a wrong unit, leaves as much.
 const MOST_OF_RANGE: f64 = 0.05;
 
-/// The noise of a rig as the residuals (measured − model, Pa, row by row) of a fit show it; `before` gives what does not
-/// change: step, what the rig states.
+/// The noise of a rig from the residuals (measured − model, Pa, row by row) of a fit; `before` gives what does not change: the
+/// step, and what the rig states.
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let (mut windows, pure) = windows(data, residuals, before.white_pa);
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
     let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
-    // What a sticking sensor shows between its steps is rounding, which has a model of its own.
+    // What a sticking sensor shows between its steps is rounding, which is modelled separately.
     if sticks || points < FEWEST_POINTS {
         return before.clone();
     }
@@ -70,14 +70,14 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     noise
 }
 
-/// Whether repeats differ by more than twice the variance of rounding: coloured noise moves the readings over their steps, though
-/// not from each to the next.
+/// Whether repeats differ by more than twice the variance of rounding: then coloured noise moves the readings over their steps,
+/// though not from each reading to the next.
 fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
     windows.iter().map(Window::squares).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
 }
 
-/// Hum that whole rests and holds of single records show: a short window holds less than a period of it.
+/// Hum that whole rests and holds of single records show: a short window covers less than a period of it.
 fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     let rests_and_holds = |(t, residual): (&Prepared, &Vec<f64>)| -> Vec<Window> {
         let segments = 0..t.course.motion.segments.len();
@@ -88,7 +88,7 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     let (fewest_periods, least_pa) = (FEWEST_SEEN, data.least_noise_pa());
     let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, pure: false, least_pa };
     let longest_s = likelihood.longest_s();
-    // A colour stands for what the model itself leaves.
+    // A colour represents what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
     let (without, coloured) = colour(&likelihood.scaled(start).1);
     let line = likelihood.line(&coloured).filter(|hum| hum.frequency_hz * longest_s > FEWEST_PERIODS);
@@ -99,10 +99,10 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     seen.or_else(|| nothing_but_hum(&Likelihood { free: FREE_IN_CONTRAST, ..likelihood }, start))
 }
 
-/// A hum of fewer periods than tell it from the gas, where it and white noise are all there is in rests and holds as they are: the
+/// A hum of too few periods to tell it from the gas, if it and white noise are all there is in unmodified rests and holds: the
 /// course that a missing effect leaves is no sine, the same in short holds and in long ones.
 fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
-    // One whose phase wanders could follow any course.
+    // One with a wandering phase could follow any course.
     let steadiest = *COHERENT.end();
     let longest_s = likelihood.longest_s();
     let (_, white) = likelihood.scaled(start);
@@ -126,7 +126,7 @@ mod tests {
     use crate::synthetic::Recipe;
     use crate::synthetic::recording::{ALL, Disturbance};
 
-    /// The noise that the paper's model shows in the single records of a rig.
+    /// The noise that the paper's model shows in single records of a rig.
     fn shown(recipe: &Recipe) -> Noise {
         let recipe = Recipe { repeats: 1, ..recipe.clone() };
         baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap().0.noise
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn single_records_of_one_and_a_half_periods_show_a_hum_by_which_nothing_but_white_noise_is_left() {
         let hum = ALL.iter().find(|recording| recording.name == "hum").unwrap();
-        // Rests and holds of 5 s at most, and a hum of 0.3 Hz.
+        // Rests and holds of at most 5 s, and a hum of 0.3 Hz.
         let noise = shown(&hum.apply(Recipe::wide(16_003)));
         assert!(noise.hum.is_some_and(|hum| (hum.frequency_hz - 0.3).abs() < 0.01), "{noise:?}");
         assert!(noise.colours.is_empty() && (noise.white_pa / 60.0 - 1.0).abs() < 0.05, "{noise:?}");
@@ -186,7 +186,7 @@ mod tests {
         let window_s = 0.3;
         let looks: Vec<Look> = data.traces.iter().map(|_| Look { window_s, ..Look::default() }).collect();
         let data = data.looked_at(&looks).unwrap();
-        // A misfit that stands within a window of each move, and nothing else.
+        // A misfit within a window of each move, and nothing else.
         let beside = |t: &Prepared, time: f64| {
             let moves = t.course.motion.segments.iter().filter(|s| s.phase == Phase::Move);
             moves.map(|s| (time - s.from_s).abs().min((time - s.to_s).abs())).fold(f64::INFINITY, f64::min)

@@ -5,28 +5,28 @@ use crate::record::repeats;
 use crate::record::stroke::Phase;
 use records::median;
 
-/// Rows after a move that are left out: there the position's noise and the move's course count.
+/// Rows after a move that are left out: the position noise and the move's course matter there.
 const AFTER_MOVE: usize = 10;
-/// Longest window, points; longer ones are averaged down to it.
+/// Longest window, values; longer ones are averaged down to it.
 const LONGEST: usize = 1500;
-/// What a hold's readings have in common shows in the differences of repeats beyond this share of their white noise.
+/// Errors common to a hold's readings show in the differences of repeats beyond this fraction of their white noise.
 const SHOWS: f64 = 0.5;
-/// A window stands out that scatters by more than so many times the median of at least so many that are about as long: colours and hums
-/// make windows differ by less.
+/// A window stands out if it scatters by more than this multiple of the median of windows of similar length, of which there must
+/// be a least number: colours and hums make windows differ by less.
 const STANDS_OUT: f64 = 10.0;
 const FEWEST_AS_LONG: usize = 4;
 /// Fewest rows of a window where there are no repeats.
 const SHORTEST_ALONE: usize = 40;
 
-/// Noise of a rig in one window, Pa, at equal distances.
+/// Noise of a rig in one window, Pa, at equal time steps.
 pub struct Window {
     /// Pa.
     pub values: Vec<f64>,
     /// Time from one value to the next, s.
     pub distance_s: f64,
-    /// Readings in each value.
+    /// Readings averaged in each value.
     pub averaged: usize,
-    /// The course of what a hold's readings have in common, in which repeats differ by more than noise; empty where they do not.
+    /// Course of the errors common to a hold's readings, where repeats differ by them by more than noise; else empty.
     pub in_common: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Window {
     }
 }
 
-/// Windows of noise, of which the white part is about so large, Pa; and whether they are contrasts of repeats.
+/// The windows of noise whose white part is about `white_pa`, Pa, and whether they are contrasts of repeats.
 pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Window>, bool) {
     let mut out = Vec::new();
     for experiment in 0..data.experiments.len() {
@@ -61,8 +61,8 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Windo
     (in_keeping(out), false)
 }
 
-/// The windows but those that stand out from others as long: what a fault of a single record leaves, a frozen reading or a port opened for a
-/// while, is no noise of the recording.
+/// Leaves out windows that stand out from others of similar length: what a fault of a single record leaves, such as a frozen
+/// reading or a port opened for a while, is not noise of the recording.
 pub fn in_keeping(windows: Vec<Window>) -> Vec<Window> {
     let mean_square = |w: &Window| w.squares() / w.values.len() as f64;
     let duration_s = |w: &Window| w.values.len() as f64 * w.distance_s;
@@ -77,8 +77,8 @@ pub fn in_keeping(windows: Vec<Window>) -> Vec<Window> {
     windows.into_iter().zip(stands_out).filter(|(_, stands_out)| !stands_out).map(|(w, _)| w).collect()
 }
 
-/// Rows of a rest or hold that are data, or of its later half; none of a move. Beside a move an average of the positions leaves more of
-/// the pressure open than its noise, `white_pa`: those rows count as the move's.
+/// Data rows of a rest or hold, or of the later half of a hold; none for a move. Rows beside a move whose pressure is more
+/// uncertain from averaged positions than from its noise, `white_pa`, count as part of the move.
 pub fn quiet_rows(t: &Prepared, segment: usize, late: bool, white_pa: f64) -> Vec<usize> {
     let s = &t.course.motion.segments[segment];
     let first = match s.phase {
@@ -95,7 +95,7 @@ pub fn quiet_rows(t: &Prepared, segment: usize, late: bool, white_pa: f64) -> Ve
     longest.filter(|&i| i >= first && t.readout.is_data(i)).collect()
 }
 
-/// Helmert contrasts between the repeats of an experiment, part by part.
+/// Helmert contrasts between the repeats of an experiment, segment by segment.
 fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], white_pa: f64, out: &mut Vec<Window>) {
     let traces: Vec<&Prepared> = of.iter().map(|&k| &data.traces[k]).collect();
     let Some(first) = traces.first().filter(|_| repeats::are_alike(&traces)) else { return };
@@ -119,8 +119,8 @@ fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], white_pa: f64, o
     }
 }
 
-/// What the readings of a hold at these rows have in common, since the move before it is not quite known: its time or its heat. Nothing where
-/// that is small beside the white noise.
+/// Error common to a hold's readings at these rows because the time or the heat of the move before is uncertain; empty where it
+/// is small compared with the white noise.
 fn in_common(t: &Prepared, rows: &[usize], window: &Window, white_pa: f64) -> Vec<f64> {
     let at = |row: &usize| {
         let [.., late, relaxing] = t.blocks[t.blocks.partition_point(|b| b.end <= *row)].common_sd_pa;
@@ -133,12 +133,12 @@ fn in_common(t: &Prepared, rows: &[usize], window: &Window, white_pa: f64) -> Ve
     }
 }
 
-/// Means of so many values each.
+/// Means of `count` values each.
 fn averaged(values: &[f64], count: usize) -> Vec<f64> {
     values.chunks_exact(count).map(|part| part.iter().sum::<f64>() / part.len() as f64).collect()
 }
 
-/// Values of a record as a window, averaged down to the longest; none where there are too few, or one is no number.
+/// Makes a window of a record's values, averaged down to the longest; none if they are too few, or one is not finite.
 pub fn window(t: &Prepared, values: Vec<f64>) -> Option<Window> {
     if values.len() < 8 || values.iter().any(|v| !v.is_finite()) {
         return None;
@@ -167,7 +167,7 @@ mod tests {
         let sizes = [(500, 50.0), (600, 60.0), (500, 5e3), (700, 50.0), (550, 80.0), (40, 3.0), (50, 2.0)];
         let kept = in_keeping(sizes.map(|(rows, sd_pa)| window(rows, sd_pa)).into());
         assert_eq!(kept.iter().map(|w| w.values.len()).collect::<Vec<_>>(), [500, 600, 700, 550, 40, 50]);
-        // Of three nothing tells which is the usual one.
+        // With three windows nothing tells which is the usual one.
         assert_eq!(in_keeping(vec![window(500, 50.0), window(500, 50.0), window(500, 5e3)]).len(), 3);
     }
 }

@@ -1,24 +1,24 @@
-//! Readings of a position that stand out of those around them, m: lost or disturbed ones.
+//! Readings of a position that stand out from those around them, m: lost or disturbed ones.
 
 use super::super::hampel::{accidental, middle_and_scatter};
 use super::super::position_noise::position_noise;
 use super::without;
 use records::extremes;
 
-/// A reading this many standard deviations of the noise from the median of those around it stands out...
+/// A reading stands out if it is this many standard deviations of the noise from the median of those around it...
 const FROM_MEDIAN: f64 = 9.0;
-/// ...if it is also this far, of the whole way...
+/// ...and also this fraction of the whole travel...
 const OF_THE_WAY: f64 = 1e-3;
-/// ...and so many times as far as half of them: a piston goes and comes, but not within two rows.
+/// ...and this multiple of the distance of half of them: a piston comes and goes, but not within two rows.
 const OF_THE_OTHERS: f64 = 6.0;
 /// Rows on either side that a reading is compared with.
 const REACH: usize = 2;
-/// Of a reading that stands out of a move, what is left in its neighbours' distances from their own cubics without it: a corner
-/// of the stroke leaves a sixth.
+/// Largest part of a disturbed reading's distance that may remain in its neighbours' distances from their cubics without it: a
+/// corner of the stroke leaves a sixth.
 const LEFT: f64 = 0.14;
 
-/// Those of the rows whose position stands out of those around it. Beside one that does another may not be seen: without those
-/// that were found the others are looked at again.
+/// Those rows whose position stands out from those around them. A neighbour of one may hide: once those found are removed, the
+/// others are examined again.
 pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let mut all = Vec::new();
     loop {
@@ -32,9 +32,9 @@ pub fn stand_out(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     }
 }
 
-/// Those of the rows whose position is far from what the two on either side say: from their median, which is near the middle one
-/// of five in a piston's way, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a smooth move,
-/// from the cubic through them.
+/// Those rows whose position is far from what the two on either side predict: from the median of the five, which is near the
+/// middle one along a piston's path, however fast it goes (Hampel's identifier, J. Am. Stat. Assoc. 69 (1974) 383), or, in a
+/// smooth move, from the cubic through the other four.
 fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
     let (low, high) = extremes(&readings);
@@ -44,7 +44,7 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
         return Vec::new();
     }
     let last = readings.len() - 1;
-    // Beyond its second and last but one reading a record is taken to go back.
+    // Beyond its second and second-last readings a record is mirrored.
     let at = |k: usize, by: isize| {
         let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
         readings[if place > last { 2 * last - place } else { place }]
@@ -63,8 +63,8 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     (0..=last).filter(stands_out).map(|k| rows[k]).collect()
 }
 
-/// How far a record's first or last reading is from where the three beside it lead, by a straight line or a parabola, or from less
-/// of a way, since the piston may have begun to move between two rows; zero where line and parabola are nearly as far apart.
+/// Distance of a record's first or last reading from where the three beside it lead, by a straight line or a parabola, or from a
+/// shorter travel, since the piston may have begun to move between two rows; zero if line and parabola are nearly as far apart.
 fn off_course([reading, next, second, third]: [f64; 4]) -> f64 {
     let led_to = [2.0 * next - second, 3.0 * (next - second) + third];
     let [low, high] = [f64::min(led_to[0], led_to[1]), f64::max(led_to[0], led_to[1])];
@@ -72,7 +72,7 @@ fn off_course([reading, next, second, third]: [f64; 4]) -> f64 {
     if off.abs() > OF_THE_OTHERS * (high - low) { off } else { 0.0 }
 }
 
-/// How far the middle one of five is from their median; zero where half of them are as far.
+/// Distance of the middle one of five from their median; zero if half of them are as far.
 fn off_median(mut five: [f64; 2 * REACH + 1]) -> f64 {
     let reading = five[REACH];
     let [median, others] = middle_and_scatter(&mut five);
@@ -80,8 +80,8 @@ fn off_median(mut five: [f64; 2 * REACH + 1]) -> f64 {
     if off.abs() > OF_THE_OTHERS * others { off } else { 0.0 }
 }
 
-/// Whether a reading is off the cubic through the two on either side by more than `least` and than noise can hide, and its
-/// neighbours off theirs by what that makes of them, and nothing else.
+/// Whether a reading is off the cubic through the two on either side by more than `least` and than noise can hide, while its
+/// neighbours are off theirs only by what it contributes to them.
 fn is_off_cubic(readings: &[f64], k: usize, least: f64, noise_m: f64) -> bool {
     let off = |i: usize| {
         let [a, b, x, c, d] = [-2, -1, 0, 1, 2].map(|by| readings[i.wrapping_add_signed(by)]);

@@ -1,8 +1,8 @@
 //! Which rows of a record are readings of the position, m.
 //!
-//! A position sensor that is read less often than the rows come fills those in between with its last reading or with straight
-//! lines; and single rows stand out of all around them, where a reading was lost or disturbed. Neither says where the piston
-//! is: the stroke goes through the others.
+//! A position sensor that is read less often than the rows come fills the rows in between with its last reading or with straight
+//! lines; and single rows stand out from all around them, where a reading was lost or disturbed. Neither shows the piston's
+//! position: the stroke goes through the other rows.
 
 mod disturbed;
 mod slow;
@@ -13,27 +13,27 @@ use records::fill_between;
 use slow::Slow;
 use std::ops::Range;
 
-/// Fewer readings show no stroke.
+/// Fewest readings that show a stroke.
 const FEWEST_READINGS: usize = 12;
 
 /// Which rows are readings of the position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Positions {
-    /// Rows that are, ascending.
+    /// Rows that are readings, ascending.
     pub rows: Vec<usize>,
-    /// Rows that stand out of those around them.
+    /// Rows that stand out from those around them.
     pub outliers: Vec<usize>,
-    /// What stands between two readings.
+    /// What the rows between two readings do.
     pub between: Between,
 }
 
 impl Positions {
-    /// Of the positions of all rows, m.
+    /// From the positions of all rows, m.
     pub fn of(position_m: &[f64]) -> Self {
         Self::with(position_m, slow::readings)
     }
 
-    /// Of those of a rig's records. One whose rows alone do not show it was read like that which shows most, where this fits.
+    /// For a rig's records. One that does not show its readout was read like the one that shows most, if this fits.
     pub fn of_rig(records: &[&[f64]]) -> Vec<Self> {
         let mut all: Vec<Self> = records.iter().map(|position_m| Self::of(position_m)).collect();
         let slow = all.iter().filter(|positions| positions.between != Between::Nothing);
@@ -47,7 +47,7 @@ impl Positions {
         all
     }
 
-    /// Of the positions of all rows, m, where `slow` finds the readings among those that are not disturbed.
+    /// From the positions of all rows, m; `slow` finds the readings among the undisturbed ones.
     fn with(position_m: &[f64], slow: impl Fn(&[f64]) -> Option<Slow>) -> Self {
         let mut kept: Vec<usize> = (0..position_m.len()).collect();
         let mut outliers = stand_out(&kept, position_m);
@@ -55,7 +55,7 @@ impl Positions {
         let slow = slow(&undisturbed).filter(|(_, rows)| rows.len() >= FEWEST_READINGS);
         let between = slow.as_ref().map_or(Between::Nothing, |(between, _)| *between);
         if let Some((_, rows)) = slow {
-            // A disturbed reading stands in all rows up to the next one.
+            // A disturbed reading persists in all rows up to the next one.
             outliers.extend(stand_out(&rows, &undisturbed));
             outliers.sort_unstable();
             kept = rows;
@@ -63,14 +63,14 @@ impl Positions {
         Self { rows: without(&kept, &outliers), outliers, between }
     }
 
-    /// Whether all rows are.
+    /// Whether all rows are readings.
     pub fn are_all(&self) -> bool {
         self.between == Between::Nothing && self.outliers.is_empty()
     }
 
-    /// Whether they are held and change in these rows, ascending, and hardly ever in others: a message brings them with something else.
+    /// Whether they are held and change in these rows, ascending, and hardly ever in others: both come in the same messages.
     pub fn change_in(&self, rows: &[usize], position_m: &[f64]) -> bool {
-        /// Share of the changes.
+        /// Least fraction of the changes.
         const NEARLY_ALL: f64 = 0.9;
         let changes = self.rows.windows(2).filter(|w| position_m[w[0]] != position_m[w[1]]).map(|w| w[1]);
         let (all, there) =
@@ -78,7 +78,7 @@ impl Positions {
         self.between == Between::Held && there as f64 > NEARLY_ALL * all as f64
     }
 
-    /// Rows from one reading to the next in the mean; 1 where every row is read.
+    /// Mean number of rows from one reading to the next; 1 where every row is read.
     pub fn rows_per_reading(&self) -> usize {
         match (self.between, self.rows.as_slice()) {
             (Between::Nothing, _) | (_, [] | [_]) => 1,
@@ -86,18 +86,18 @@ impl Positions {
         }
     }
 
-    /// What a column of the record has in these rows.
+    /// Values of a column of the record in these rows.
     pub fn readings(&self, column: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|&row| column[row]).collect()
     }
 
-    /// Those among some rows of the record.
+    /// The readings among some rows of the record.
     pub fn in_rows(&self, rows: &Range<usize>) -> &[usize] {
         let [first, end] = [rows.start, rows.end].map(|of| self.rows.partition_point(|row| *row < of));
         &self.rows[first..end]
     }
 
-    /// Those of some rows of the record, counted from the first of these.
+    /// The readings in some rows of the record, counted from the first of these.
     pub fn of_rows(&self, rows: &Range<usize>) -> Self {
         let counted = |of: &[usize]| of.iter().filter(|row| rows.contains(row)).map(|row| row - rows.start).collect();
         Self { rows: counted(&self.rows), outliers: counted(&self.outliers), between: self.between }
@@ -109,12 +109,12 @@ impl Positions {
     }
 }
 
-/// These rows but for some of them, ascending too.
+/// These rows without some of them; both ascending.
 fn without(rows: &[usize], gone: &[usize]) -> Vec<usize> {
     rows.iter().copied().filter(|row| gone.binary_search(row).is_err()).collect()
 }
 
-/// All rows, linear between these and as the nearest of them beyond.
+/// All rows, linear between these and constant beyond them.
 fn filled(rows: &[usize], position_m: &[f64]) -> Vec<f64> {
     let mut out = position_m.to_vec();
     fill_between(rows, &mut out);
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_record_that_begins_at_most_two_rows_before_a_fast_move_begins_with_a_reading() {
         let mut random = Random::new(12);
-        // 50 mm in 80 ms at 100 Hz, evenly or with a smooth begin and end, and from a third of a row to two rows after the first.
+        // 50 mm in 80 ms at 100 Hz, evenly or smoothly, from a third of a row to two rows after the first one.
         for begin in [0.3, 0.5, 0.8, 1.0, 1.4, 1.9] {
             for is_even in [true, false] {
                 let way = |u: f64| if is_even { u } else { u * u * u * (10.0 - 15.0 * u + 6.0 * u * u) };
@@ -184,7 +184,7 @@ mod tests {
     fn every_row_of_a_usual_record_is_a_reading() {
         let exact = |f: fn(f64) -> f64| (0..300).map(|i| f(i as f64 * 0.01)).collect::<Vec<f64>>();
         let ramp = |t: f64| 0.1 - 0.02 * (t - 0.5).clamp(0.0, 2.0);
-        // Steps of 0.1 mm, of which a steady way makes one in every fifth or tenth row.
+        // Steps of 0.1 mm, of which a steady move makes one in every fifth or tenth row.
         let coarse = exact(|t| ((0.1 - 0.002 * (t - 0.5).clamp(0.0, 2.0)) * 1e4).round() * 1e-4);
         let finer = exact(|t| ((0.1 - 0.001 * (t - 0.5).clamp(0.0, 2.0)) * 1e5).round() * 1e-5);
         let to_and_fro = exact(|t| 0.1 + 0.05 * (60.0 * t).sin());
@@ -260,11 +260,11 @@ mod tests {
         let found = Positions::of(&at_the_ends);
         assert_eq!(found.outliers, [0, 299]);
         assert!((found.filled(&at_the_ends)[0] - good[1]).abs() < 1e-9);
-        // In the fastest part of a move, by half of what it goes in a row.
+        // In the fastest part of a move, by half of its travel per row.
         let mut position_m = good.clone();
         position_m[65] -= 0.0015;
         assert_eq!(Positions::of(&position_m).outliers, [65]);
-        // One after the other, off by different ways.
+        // One after the other, off by different distances.
         let mut position_m = good.clone();
         (position_m[64], position_m[65]) = (0.0, position_m[65] + 0.011);
         assert_eq!(Positions::of(&position_m).outliers, [64, 65]);

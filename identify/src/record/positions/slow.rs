@@ -1,7 +1,7 @@
-//! Rows in which a position was read where the sensor is read less often than the rows come, from positions in m.
+//! Rows in which a position was read, if its sensor is read less often than the rows come; positions in m.
 //!
-//! A held readout changes at its readings only, one that is interpolated bends at them only. The rate of the former shows in a move,
-//! where it jumps by many steps of the sensor, or in its noise; that of the latter in its noise, as with a pressure, or in a move,
+//! A held readout changes only at its readings, an interpolated one bends only at them. The rate of the former shows in a move,
+//! where it jumps by many steps of the sensor, or in its noise; that of the latter in its noise, as for a pressure, or in a move,
 //! where it bends by many steps.
 
 use super::super::bends::{Bends, scatter};
@@ -10,26 +10,26 @@ use super::super::position_noise::{NOTHING_M, step};
 use super::super::readout::{Between, changes, interpolated};
 use records::extremes;
 
-/// A piston that goes so many of the sensor's steps from one row to the next is seen in every row that is read, ...
+/// If the piston moves by this many steps of the sensor per row, every row that is read shows it, ...
 const STEPS: f64 = 5.0;
-/// ...and must have gone so far that often for a slower readout to be believed.
+/// ...and this must occur so often for a slower readout to be believed.
 const FEWEST_JUMPS: usize = 5;
-/// Changes at every k-th row only are no chance where it would be one in a million: k to the power of minus their number.
+/// Changes at every k-th row only are no chance if that probability is one in a million: k to the power of minus their number.
 const NO_CHANCE: f64 = 14.0;
-/// Of the whole way, what the arithmetic bends in a straight line at the most.
+/// Largest bend of a straight line due to arithmetic, over the whole travel.
 const ROUNDING: f64 = 1e-9;
 
-/// How a sensor was read: what stands between two readings, and in which rows they are, ascending.
+/// How a sensor was read: what the rows between readings do, and the rows of the readings, ascending.
 pub type Slow = (Between, Vec<usize>);
 
-/// The readings, where the rows show that there are fewer of them than rows.
+/// The readings, if the rows show that there are fewer of them than rows.
 pub fn readings(position_m: &[f64]) -> Option<Slow> {
     let straight = || straight_between(position_m).or_else(|| far_apart(position_m));
     let held = held(position_m).map(|rows| (Between::Held, rows));
     held.or_else(|| Some((Between::Interpolated, straight()?)))
 }
 
-/// The readings at every `period`-th row, where all that changes, or bends, does so in such rows.
+/// The readings at every `period`-th row, if all changes, or bends, are in such rows.
 pub fn readings_at_every(period: usize, between: Between, position_m: &[f64]) -> Option<Slow> {
     let marks = match between {
         Between::Nothing => return None,
@@ -41,14 +41,14 @@ pub fn readings_at_every(period: usize, between: Between, position_m: &[f64]) ->
     fit.then(|| (between, (first % period..position_m.len()).step_by(period).collect()))
 }
 
-/// The rows that a held readout was read in: no two rows in a row change.
+/// The rows of the readings of a held readout: no two successive rows change.
 fn held(position_m: &[f64]) -> Option<Vec<usize>> {
     let changes = changes(position_m);
     if changes.windows(2).any(|w| w[1] - w[0] < 2) {
         return None;
     }
     let period = period_of_jumps(position_m, &changes).or_else(|| period_of_noise(&changes))?;
-    // While nothing changes, the sensor is read as often.
+    // While nothing changes, the sensor is read at the same rate.
     let ends = changes.iter().copied().chain([position_m.len()]);
     let starts = std::iter::once(0).chain(changes.iter().copied());
     let read =
@@ -56,8 +56,8 @@ fn held(position_m: &[f64]) -> Option<Vec<usize>> {
     Some(starts.zip(ends).flat_map(read).collect())
 }
 
-/// Rows from one reading to the next where the piston goes many steps at a time. A fine encoder's changes while it hardly moves
-/// are of single steps.
+/// Rows from one reading to the next where the piston moves by many steps at a time. While it hardly moves, a fine encoder
+/// changes by single steps.
 fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
     let far = STEPS * lattice::of_changes(position_m, NOTHING_M);
     let is_far = |row: &usize| (position_m[*row] - position_m[row - 1]).abs() >= far;
@@ -69,15 +69,15 @@ fn period_of_jumps(position_m: &[f64], changes: &[usize]) -> Option<usize> {
     Some(periods[periods.len() / 2])
 }
 
-/// Rows from one reading to the next where all changes, most of them of the position's noise, lie a multiple of these apart.
-/// Steps of an encoder along a steady way come at equal distances as well and do not count.
+/// Rows from one reading to the next if all changes, most of them due to position noise, lie a multiple of this apart. The steps
+/// of an encoder in a steady move also come at equal distances and do not count.
 fn period_of_noise(changes: &[usize]) -> Option<usize> {
     let gaps = gaps(changes);
     let uneven = gaps.windows(2).filter(|w| w[0] != w[1]).count();
     common_divisor(&gaps).filter(|period| no_chance(uneven, *period))
 }
 
-/// Distances between rows.
+/// Distances between successive rows.
 fn gaps(rows: &[usize]) -> Vec<usize> {
     rows.windows(2).map(|w| w[1] - w[0]).collect()
 }
@@ -89,15 +89,15 @@ fn common_divisor(gaps: &[usize]) -> Option<usize> {
     gaps.iter().copied().reduce(greatest)
 }
 
-/// Whether so many distances between rows are hardly all multiples of `period` by chance.
+/// Whether this number of distances between rows is unlikely to be all multiples of `period` by chance.
 fn no_chance(distances: usize, period: usize) -> bool {
     distances as f64 * (period as f64).ln() > NO_CHANCE
 }
 
-/// The rows that a readout was read in that is interpolated in between: they bend more than the others, and some by many steps.
+/// The rows of the readings of an interpolated readout: they bend more than the others, and some by many steps.
 fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
     let readout = interpolated(&micrometres(position_m))?;
-    // An encoder's single steps along a steady way can fall on every k-th row as well.
+    // An encoder's single steps in a steady move can fall on every k-th row as well.
     let bends: Vec<usize> = bends(position_m).into_iter().filter(|&row| readout.is_reading(row)).collect();
     let shown = bends.len() >= FEWEST_JUMPS && between_ways(position_m, &bends, readout.period);
     shown.then(|| (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect())
@@ -107,7 +107,7 @@ fn micrometres(position_m: &[f64]) -> Vec<f64> {
     position_m.iter().map(|x| 1e6 * x).collect()
 }
 
-/// The same where a move bends so much at every reading that nothing else does: most bends are one reading apart.
+/// The same where a move bends so much at every reading that nothing else counts: most bends are one reading apart.
 fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
     let bends = bends(position_m);
     let gaps = gaps(&bends);
@@ -120,8 +120,8 @@ fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
     shown.then(|| (bends[0] % period..position_m.len()).step_by(period).collect())
 }
 
-/// Whether as many of these bends lie between two ways as do in a move, or in noise. A plan's corners can be multiples of many rows
-/// apart as well, but have a rest on one side.
+/// Whether as many of these bends lie within motion as do in a move, or in noise. The corners of a planned stroke can also be
+/// multiples of many rows apart, but have a rest on one side.
 fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
     /// A ramp that is read slowly has half of its bends at rest.
     const SHARE: f64 = 0.25;
@@ -131,7 +131,7 @@ fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
     bends.iter().filter(at).count() as f64 > SHARE * bends.len() as f64
 }
 
-/// Rows in which a way bends by many steps.
+/// Rows in which a course bends by many steps.
 fn bends(position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extremes(position_m);
     let far = (STEPS * step(position_m)).max(ROUNDING * (high - low));
@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// Read at every 20th row from the fifth on, straight in between, and rounded to 1 µm: so many moves of 0.2 s at 100 Hz.
+    /// Moves of 100 rows each, read at every 20th row from the fifth on, straight in between, and rounded to 1 µm.
     fn interpolated_moves(moves: usize) -> Vec<f64> {
         let mut random = Random::new(8);
         let way = |row: f64| {
