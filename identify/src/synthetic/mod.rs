@@ -1,9 +1,9 @@
-//! Rigs that do not exist, for tests and for the Monte Carlo study: known truth, the noise of a real bench.
+//! Synthetic rigs for tests and for the Monte Carlo study: known truth, the noise of a real bench.
 //!
-//! [`Recipe::from_seed`] is the bench of a textbook: five push-and-hold experiments, smooth moves, 100 Hz.
-//! [`Recipe::wide`] is anybody's bench: geometry, gas, sensor, logger, number and kind of experiments and the shape of
-//! every move are drawn from wide ranges. Besides the effects of the list there are [`Outside`] ones; a [`Recording`]
-//! is what a real bench makes of the readings.
+//! [`Recipe::from_seed`] is a textbook bench: five push-and-hold experiments, smooth moves, 100 Hz. [`Recipe::wide`] is an
+//! arbitrary bench: geometry, gas, sensor, logger, number and kind of experiments and the shape of every move are drawn from wide
+//! ranges. Besides the effects of the list there are [`Outside`] ones; a [`Recording`] is what a real bench makes of the
+//! readings.
 
 pub mod outside;
 pub mod random;
@@ -24,15 +24,15 @@ use rayon::prelude::*;
 use records::{Ambient, Cylinder, Experiment, LineNumbers, NamedGas, Rig, Sensor, Tolerance, Trace, extremes};
 use truth::{STEP_S, Truth};
 
-/// Effects that a [`Recipe`] does not simulate as effects: they belong to the recording, or are none of their own.
+/// Effects that a [`Recipe`] does not simulate as effects: they belong to the recording, or are not separate ones.
 const NOT_SIMULATED: [&str; 4] = ["empirical", "sensor_offset", "position_delay", "position_averaging"];
 
-/// Places of the effects that a [`Recipe`] simulates.
+/// Indices of the effects that a [`Recipe`] simulates.
 pub fn simulated() -> Vec<usize> {
     effects::all().filter(|(_, card)| !NOT_SIMULATED.contains(&card.name)).map(|(e, _)| e).collect()
 }
 
-/// One push-and-hold experiment: from rest at a pressure, moves with a hold after each.
+/// One push-and-hold experiment: from rest at a pressure, moves, each followed by a hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
     /// Name of the experiment in the rig file.
@@ -41,7 +41,7 @@ pub struct Test {
     pub pressure_pa: f64,
     /// Position of the rest, m.
     pub from_m: f64,
-    /// For each move: to where, m, in what time, s, in what way, and how long the hold after it is, s.
+    /// For each move: its end position, m, duration, s, shape, and the duration of the hold after it, s.
     pub moves: Vec<(f64, f64, Shape, f64)>,
 }
 
@@ -50,20 +50,20 @@ pub struct Test {
 pub struct Bench {
     /// Speed at which the piston creeps after a record's first move, m/s.
     pub creep_m_per_s: f64,
-    /// How much the ambient temperature rises during a record, K.
+    /// Rise of the ambient temperature during a record, K.
     pub ambient_rise_k: f64,
     /// Standard deviation of the ambient temperature between records, K.
     pub ambient_spread_k: f64,
-    /// How much warmer than the surroundings the gas is at the start, K.
+    /// Excess of the gas temperature over that of the surroundings at the start, K.
     pub start_warmer_k: f64,
-    /// The same of a wall that warms, K.
+    /// The same for the wall, if it warms, K.
     pub start_wall_warmer_k: f64,
 }
 
 /// A rig's truth.
 #[derive(Clone, Debug)]
 pub struct Recipe {
-    /// Everything random follows from it.
+    /// Seed of everything random.
     pub seed: u64,
     /// The chamber, effects included.
     pub chamber: Chamber,
@@ -73,11 +73,11 @@ pub struct Recipe {
     pub ambient_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pa: f64,
-    /// What no card describes.
+    /// An effect that no card describes.
     pub outside: Option<Outside>,
     /// Push-and-hold experiments, each with its repeats.
     pub tests: Vec<Test>,
-    /// Time before each first move, s.
+    /// Duration of the rest before each first move, s.
     pub rest_s: f64,
     /// Repeats of each experiment.
     pub repeats: usize,
@@ -89,18 +89,18 @@ pub struct Recipe {
     pub position_noise_m: f64,
     /// Step of the position, m.
     pub position_step_m: f64,
-    /// Rows in a second.
+    /// Rows per second.
     pub rate_hz: f64,
     /// Whether traces have a column of the ambient temperature.
     pub ambient_column: bool,
-    /// What else happens.
+    /// Other conditions of the bench.
     pub bench: Bench,
     /// What the recording does to the readings.
     pub faults: Faults,
 }
 
 impl Recipe {
-    /// A rig of the kinds a bench has, from a seed; without any effect.
+    /// A typical bench rig without any effect, from a seed.
     pub fn from_seed(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let bore = random.one_of(&[0.016, 0.020, 0.025, 0.032, 0.040]);
@@ -130,7 +130,7 @@ impl Recipe {
             faults: Faults::default(),
         };
         let middle = 0.5 * (long + short);
-        // Moves of a fifth of a second, holds of several relaxations; the last one is slow.
+        // Moves of 0.2 to 0.25 s, the last one of 0.45 s; holds of several relaxations.
         let kinds = [
             ("compress-ambient", 1.013e5, [long, short], 0.2),
             ("compress-3bar", 3.2e5, [long, short], 0.2),
@@ -152,7 +152,7 @@ impl Recipe {
         recipe
     }
 
-    /// Anybody's rig, from a seed; without any effect.
+    /// An arbitrary rig without any effect, from a seed.
     pub fn wide(seed: u64) -> Self {
         let mut r = Random::new(seed ^ 0x5eed);
         let bore = r.log_uniform(0.010, 0.080);
@@ -184,12 +184,12 @@ impl Recipe {
             bench: Bench::default(),
             faults: Faults::default(),
         };
-        // Not fewer than four rows in a move: who samples less does not see the push.
+        // At least four rows in a move: slower sampling does not show the push.
         let shortest_push = 4.0 / rate_hz;
         let shapes = r.one_of(&[&Shape::ALL[..], &[Shape::Ramp], &[Shape::Quintic], &[Shape::Cosine, Shape::Cubic]]);
         let count = 2 + r.below(5);
         for k in 0..count {
-            // Both ways in turn, at pressures all over a bench's range.
+            // In both directions in turn, at pressures over a bench's whole range.
             let other = short + (long - short) * r.one_of(&[0.0, 0.0, 0.0, 0.5]);
             let [from_m, to] = if k % 2 == 0 { [long, other] } else { [other, long] };
             let pressure_pa = if r.below(3) == 0 { recipe.ambient_pa } else { r.log_uniform(1.0e5, 6.0e5) };
@@ -215,17 +215,17 @@ impl Recipe {
         self
     }
 
-    /// The same with something outside the list.
+    /// The same with an effect outside the list.
     pub fn with_outside(self, outside: Outside) -> Self {
         Self { outside: Some(outside), ..self }
     }
 
-    /// The same as a simulator writes it: without noise, to 0.1 mPa and 1 nm.
+    /// The same as a simulator writes it: without noise, rounded to 0.1 mPa and 1 nm.
     pub fn without_noise(self) -> Self {
         Self { noise_pa: 0.0, quantisation_pa: 1e-4, position_noise_m: 0.0, position_step_m: 1e-9, ..self }
     }
 
-    /// The same with all noise and all steps of its readings so many times as large.
+    /// The same with all noise and steps of its readings scaled by a factor.
     pub fn with_noise_times(mut self, factor: f64) -> Self {
         self.noise_pa *= factor;
         self.quantisation_pa *= factor;
@@ -234,13 +234,13 @@ impl Recipe {
         self
     }
 
-    /// Root mean square of all that disturbs a pressure reading, spikes apart, Pa.
+    /// Root mean square of all disturbances of a pressure reading except spikes, Pa.
     pub fn noise_rms_pa(&self) -> f64 {
         let slow: f64 = self.faults.disturbances.iter().map(|d| d.rms_pa().powi(2)).sum();
         (self.noise_pa.powi(2) + self.quantisation_pa.powi(2) / 12.0 + slow).sqrt()
     }
 
-    /// Sonic conductance of a leak at a strength, m³/(s Pa): 1 loses 1 % of the gas in a relaxation time at 3 bar.
+    /// Sonic conductance of a leak at a strength, m³/(s Pa): strength 1 loses 1 % of the gas per relaxation time at 3 bar.
     pub fn leak_of(&self, strength: f64) -> f64 {
         let (_, relaxation) = self.scales();
         1e-2 * self.chamber.geometry.volume(self.way().0) / 1e5 / relaxation * strength
@@ -282,7 +282,7 @@ impl Recipe {
         self.with(CARDS[effect].name, &values)
     }
 
-    /// A parameter's value at strength 1: what tables give for the rig's gas, where it is a property of that.
+    /// A parameter's value at strength 1: the tabulated one for the rig's gas, if it is a property of the gas.
     fn usual(&self, parameter: &Parameter) -> f64 {
         match parameter.prior {
             Prior::OfGas(of) => of(&self.chamber.gas).mean,
@@ -307,8 +307,8 @@ impl Recipe {
         self
     }
 
-    /// The chamber with the dead volume that counts from the recorded zero of the position, on the straight line through the
-    /// recorded ends of the way.
+    /// The chamber with its dead volume counted from the recorded zero of the position, on the straight line through the recorded
+    /// ends of the travel.
     pub fn chamber_as_recorded(&self) -> Chamber {
         let mut chamber = self.chamber;
         let stated = &self.faults.stated;
@@ -367,7 +367,7 @@ impl Recipe {
         }
     }
 
-    /// By how much positions are recorded off a straight line, m, over the position.
+    /// Deviation of the recorded positions from a straight line, m, over the position.
     fn off_a_straight_line(&self) -> impl Fn(f64) -> f64 {
         let (wave, way) = (self.faults.position_wave, self.way());
         move |x| wave.map_or(0.0, |wave| wave.at(x, way))
@@ -381,7 +381,7 @@ impl Recipe {
         let faults = &self.faults;
         let own_seed = self.seed.wrapping_mul(1_000_003) + (test * 16 + repeat) as u64 + 1;
         let random = &mut Random::new(own_seed);
-        // What a recording adds is drawn apart from the rest, so that it is added to the same test.
+        // The recording's errors are drawn separately, so that they are added to the same test.
         let disturbing = &mut Random::new(own_seed ^ 0xd157_02b5);
         let on_grid = |t: f64| (t / STEP_S).round() * STEP_S;
         let mut stroke = Stroke { moves: Vec::new(), creep_m_per_s: self.bench.creep_m_per_s };
@@ -433,7 +433,7 @@ impl Recipe {
         .map(|x| x * stated.position_times + stated.position_offset_m)
         .map(|x| noisy(x, self.position_noise_m, self.position_step_m))
         .collect();
-        // The thermometer of a record is no better than the one that the rig's temperature is stated by.
+        // A record's thermometer is no better than the one behind the rig's stated temperature.
         let shown_k = |t: f64| truth.ambient_at(t) + stated.ambient_offset_k;
         let ambient_temperature_k =
             self.ambient_column.then(|| time_s.iter().map(|t| noisy(shown_k(*t), 0.02, 0.01)).collect());
@@ -461,8 +461,8 @@ impl Recipe {
         }
     }
 
-    /// A test and the same again from 0.8 times its pressure; in half a second between them the piston goes back and
-    /// the open port brings the new pressure.
+    /// A test, and the same again from 0.8 times its pressure; in half a second between them the piston goes back and the open
+    /// port brings the new pressure.
     fn two_cycles(&self, test: usize, repeat: usize) -> Trace {
         let closed = Self { faults: Faults { open_port: false, ..self.faults.clone() }, ..self.clone() };
         let mut lower = closed.clone();
@@ -491,7 +491,7 @@ impl Recipe {
     }
 }
 
-/// The mean of a signal over a window around a moment.
+/// The mean of a signal over a window around a time.
 fn averaged(time: f64, window_s: f64, signal: impl Fn(f64) -> f64) -> f64 {
     const PARTS: usize = 100;
     if window_s == 0.0 {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// How a piston goes from one end of a move to the other; u is the share of the move's time, the value that of its way.
+/// Course of a piston from one end of a move to the other: fraction of the travel over u, the fraction of the move's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// u³ (10 − 15 u + 6 u²): no jump in speed or acceleration.
@@ -21,7 +21,7 @@ impl Shape {
     /// All of them.
     pub const ALL: [Shape; 5] = [Shape::Quintic, Shape::Cubic, Shape::Cosine, Shape::Ramp, Shape::Trapezoid];
 
-    /// Share of the way and its derivative by u.
+    /// Fraction of the travel and its derivative by u.
     fn at(self, u: f64) -> (f64, f64) {
         match self {
             Shape::Quintic => (u * u * u * (10.0 - 15.0 * u + 6.0 * u * u), 30.0 * u * u * (1.0 - u) * (1.0 - u)),
@@ -46,13 +46,13 @@ impl Shape {
 /// One move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// When it begins, s.
+    /// Begin, s.
     pub begin_s: f64,
-    /// How long it takes, s.
+    /// Duration, s.
     pub length_s: f64,
-    /// From where to where, m.
+    /// Start and end position, m.
     pub ends_m: [f64; 2],
-    /// In what way.
+    /// Its course.
     pub shape: Shape,
 }
 
@@ -66,8 +66,8 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// Position and speed at time `t`, in the part of the stroke that the time `inside` lies in: at a corner the two
-    /// sides have different speeds.
+    /// Position and speed at time `t`, in the part of the stroke in which the time `inside` lies: the speeds on the two sides of
+    /// a corner differ.
     pub fn at(&self, t: f64, inside: f64) -> (f64, f64) {
         let (position, speed) = self.driven(t, inside);
         match self.moves.first() {

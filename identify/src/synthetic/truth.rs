@@ -1,7 +1,7 @@
 //! The readings of a synthetic rig without noise.
 //!
-//! Deliberately not the forward model of the fits: the stroke is an analytic function of time, the integrator classical
-//! Runge–Kutta with a fixed step that ends at the stroke's corners, the sensor's lag a filter on that grid, its delay an
+//! Deliberately not the forward model of the fits: the stroke is an analytic function of time, the integrator is classical
+//! Runge–Kutta with a fixed step that ends at the stroke's corners, the sensor's lag is a filter on that grid, and its delay an
 //! interpolation.
 
 use super::outside::Outside;
@@ -10,29 +10,29 @@ use chamber::Chamber;
 use chamber::balance::{self, Balances, Boundary, Conditions, ENERGY, MASS, OWN, STATES, Surroundings};
 use chamber::effects::{self, EffectSet, WallHeating};
 
-/// Step of the integration; moves begin and end at its multiples, s.
+/// Integration step, s; moves begin and end at its multiples.
 pub const STEP_S: f64 = 2.5e-4;
 
-/// Pressure above that of the surroundings at which the lip of a seal lifts, Pa.
+/// Pressure above that of the surroundings at which a seal's lip lifts, Pa.
 const LIFTS_PA: f64 = 1.5e5;
 
 /// A chamber on a stroke.
 pub struct Truth<'a> {
     /// The chamber, effects included.
     pub chamber: &'a Chamber,
-    /// What no card describes.
+    /// An effect that no card describes.
     pub outside: Option<Outside>,
     /// Temperature of the surroundings at time zero, K.
     pub ambient_k: f64,
-    /// How fast that rises, K/s.
+    /// Its rate of rise, K/s.
     pub ambient_rate_k_per_s: f64,
-    /// How much warmer than the surroundings the gas is at time zero, K.
+    /// Excess of the gas temperature over that of the surroundings at time zero, K.
     pub start_warmer_k: f64,
-    /// The same of a wall that warms, K.
+    /// The same for the wall, if it warms, K.
     pub start_wall_warmer_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pa: f64,
-    /// The piston's true position in time, m.
+    /// The piston's true position over time, m.
     pub stroke: &'a Stroke,
 }
 
@@ -47,7 +47,7 @@ impl Truth<'_> {
         Boundary { position, velocity, ..Boundary::closed(position, self.ambient_at(t), self.ambient_pa) }
     }
 
-    /// The sensor's readings at these times (ascending, from 0 on), beginning at rest at `pressure`.
+    /// The sensor's readings at these times (ascending, from 0 on), starting from rest at `pressure`.
     pub fn readings(&self, times: &[f64], pressure: f64) -> Vec<f64> {
         let set = self.chamber.active().without(effects::of_sensor());
         let start_k = self.chamber.effects.rest_temperature(self.ambient_k) + self.start_warmer_k;
@@ -92,7 +92,7 @@ impl Truth<'_> {
     fn true_position(&self, position: f64, state: &[f64; STATES]) -> f64 {
         match self.outside {
             Some(Outside::Compliance(per_bar)) => {
-                // V = Vn (1 + c (P − Pamb)) with P = (γ − 1) U/V: a quadratic in V.
+                // V = Vn (1 + c (P − Pamb)) with P = (γ − 1) U/V: a quadratic equation in V.
                 let nominal = self.chamber.geometry.volume(position);
                 let yielding = nominal * per_bar / 1e5;
                 let half = 0.5 * (nominal - yielding * self.ambient_pa);
@@ -109,7 +109,7 @@ impl Truth<'_> {
         let mut at = self.boundary(t, inside);
         at.position = self.true_position(at.position, state);
         if let Some(Outside::Compliance(per_bar)) = self.outside {
-            // dV/dt = (dVn/dt) V/Vn + Vn c dP/dt, where dP/dt follows dV/dt: solved by substitution.
+            // dV/dt = (dVn/dt) V/Vn + Vn c dP/dt, where dP/dt depends on dV/dt: solved by substitution.
             let expansion = self.chamber.gas.heat_capacity_ratio - 1.0;
             let area = self.chamber.geometry.piston_area;
             let nominal = self.chamber.geometry.volume(self.boundary(t, inside).position);
@@ -128,7 +128,7 @@ impl Truth<'_> {
         let mut rates = [0.0; STATES];
         (rates[MASS], rates[ENERGY]) = (found.mass, found.energy);
         rates[OWN..].copy_from_slice(&own);
-        // With the effects that the chamber has besides.
+        // Includes the effects that the chamber has besides.
         let conductance = found.heat_transfer_coefficient * self.chamber.geometry.heat_transfer_area(gas.volume);
         let colder = self.ambient_at(t) - gas.temperature;
         rates[ENERGY] += match self.outside {
@@ -151,8 +151,8 @@ impl Truth<'_> {
         rates[MASS] += flow;
         rates[ENERGY] += flow * gas.cp * if flow > 0.0 { self.ambient_at(t) } else { gas.temperature };
         if matches!(self.outside, Some(Outside::RealAir)) {
-            // The state stands for m cv T with a constant cv, so that it still gives the pressure; what heats the gas
-            // acts on the cv that it has.
+            // The state is m cv T with a constant cv, so that it still gives the pressure; what heats the gas acts on its actual
+            // cv.
             let exchanged = self.chamber.gas.cv() * gas.temperature * rates[MASS];
             let share =
                 self.chamber.gas.cv() / (self.chamber.gas.gas_constant * (air_cp_over_r(gas.temperature) - 1.0));
@@ -184,8 +184,8 @@ impl Surroundings<f64> for Wall {
     }
 }
 
-/// Flow from a supply at 7 bar and the surroundings' temperature (ISO 6358, critical ratio 0.3), kg/s; back to it from a gas
-/// of a higher pressure, Pa, and its temperature, K.
+/// Flow from a supply at 7 bar and the surroundings' temperature (ISO 6358, critical ratio 0.3), kg/s; back to the supply from
+/// gas at a higher pressure, Pa, and its temperature, K.
 fn supplied(conductance: f64, [pressure, temperature]: [f64; 2], surroundings: f64) -> f64 {
     const SUPPLY_PA: f64 = 7e5;
     const CRITICAL: f64 = 0.3;
@@ -205,22 +205,22 @@ fn air_cp_over_r(t: f64) -> f64 {
     3.653 + t * (-1.337e-3 + t * (3.294e-6 + t * (-1.913e-9 + t * 0.2763e-12)))
 }
 
-/// Lag, hysteresis and warmth, step by step.
+/// Lag, hysteresis and warming of the sensor, advanced in steps.
 struct Sensor {
     lag: f64,
     lagged: f64,
     gas: f64,
     hang: f64,
-    /// How much warmer than the surroundings the diaphragm is, K.
+    /// Excess of the diaphragm's temperature over that of the surroundings, K.
     warmer_k: f64,
 }
 
 impl Sensor {
-    /// The reading of a gas of that pressure, Pa, which is so much warmer than the surroundings, K.
+    /// The reading for gas at this pressure, Pa, that is warmer than the surroundings by `gas_warmer_k`, K.
     fn shows(&mut self, gas: f64, gas_warmer_k: f64, outside: Option<Outside>) -> f64 {
         let before = self.lagged;
         if self.lag > 0.0 {
-            // τ y' = P − y with P linear over the step, exactly.
+            // τ y' = P − y with P linear over the step, solved exactly.
             let (kept, slope) = ((-STEP_S / self.lag).exp(), (gas - self.gas) / STEP_S);
             self.lagged = self.lagged * kept + self.gas * (1.0 - kept) + slope * (STEP_S - self.lag * (1.0 - kept));
         } else {
@@ -230,7 +230,7 @@ impl Sensor {
         match outside {
             Some(Outside::BentSensor(share)) => self.lagged * (1.0 + share * (self.lagged / 5e5)),
             Some(Outside::Hysteresis(pa)) => {
-                // Follows the direction of the pressure over a change of a kilopascal.
+                // Follows the pressure's direction, by one per kilopascal of change.
                 self.hang = (self.hang + (self.lagged - before) / 1e3).clamp(-1.0, 1.0);
                 self.lagged - pa * self.hang
             }
@@ -256,7 +256,7 @@ mod tests {
     use super::*;
     use crate::synthetic::{Move, Recipe};
 
-    /// What something outside the list adds to the readings of a test at the end of its rest and 0.3 s after its push, Pa.
+    /// Change that an effect outside the list makes in a test's readings at the end of its rest and 0.3 s after its push, Pa.
     fn added(outside: Outside, name: &str) -> [f64; 2] {
         let recipe = Recipe::from_seed(3);
         let test = recipe.tests.iter().find(|t| t.name == name).unwrap();

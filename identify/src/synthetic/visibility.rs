@@ -1,23 +1,23 @@
-//! How far an effect shows, before any noise: what the other parameters cannot take up.
+//! Visibility of an effect without noise: what the other parameters cannot take up.
 //!
-//! The ideal readings with the effect, less those without it whose other parameters lie closest to them (least squares by
-//! Gauss and Newton): the rms of the rest, Pa. Nothing of the fits is used.
+//! The rms difference, Pa, between the ideal readings with the effect and the closest ones without it, whose other parameters are
+//! fitted (least squares by Gauss and Newton). No code of the fits is used.
 
 use super::{Faults, Recipe};
 use chamber::card::Fitted;
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use nalgebra::{DMatrix, DVector};
 
-/// Steps to the closest readings; the least rest of them counts.
+/// Gauss–Newton steps; the smallest remainder of them counts.
 const STEPS: usize = 4;
 
-/// Root mean square of what the paper's parameters do not take up of an effect, Pa; `with` is `without` with the effect.
+/// Root mean square of an effect that the paper's parameters do not take up, Pa; `with` is `without` with the effect.
 pub fn beyond_paper_pa(with: &Recipe, without: &Recipe) -> f64 {
     beyond_pa(with, without, &paper(without))
 }
 
-/// Root mean square of what an effect leaves beside the rig's others, Pa: beyond the paper's parameters, theirs and the
-/// temperature of the surroundings.
+/// Root mean square that an effect leaves beside the rig's other effects, Pa: what the paper's parameters, theirs and the
+/// temperature of the surroundings do not take up.
 pub fn beside_others_pa(with: &Recipe, effect: usize) -> f64 {
     let neutral: Vec<f64> = CARDS[effect].parameters.iter().map(|p| p.neutral).collect();
     let without = with.clone().with(CARDS[effect].name, &neutral);
@@ -30,7 +30,7 @@ pub fn beside_others_pa(with: &Recipe, effect: usize) -> f64 {
     beyond_pa(with, &without, &free)
 }
 
-/// A number of a recipe that may adapt.
+/// A parameter of a recipe that may adapt.
 #[derive(Clone, Copy)]
 enum Parameter {
     Coefficient,
@@ -38,7 +38,7 @@ enum Parameter {
     AmbientTemperature,
     /// Initial pressure of a test.
     InitialPressure(usize),
-    /// Place among the parameters of all effects.
+    /// Index among the parameters of all effects.
     OfEffect(usize),
 }
 
@@ -86,7 +86,7 @@ fn beyond_pa(with: &Recipe, without: &Recipe, free: &[Parameter]) -> f64 {
     least_pa
 }
 
-/// Relative change of a derivative by differences.
+/// Relative change for a derivative by differences.
 const SMALL: f64 = 1e-3;
 /// Largest relative change of a parameter in a step.
 const MOST: f64 = 0.3;

@@ -1,9 +1,9 @@
-//! Disturbances of a pressure sensor that are not white: their rows are not independent of each other. Pa.
+//! Disturbances of a pressure sensor that are not white: their rows are correlated. Pa.
 
 use crate::synthetic::random::Random;
 use std::f64::consts::TAU;
 
-/// One of them; `sd_pa` is the standard deviation of one row.
+/// A disturbance; `sd_pa` is the standard deviation of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Disturbance {
     /// e_k = ρ e_{k−1} + white.
@@ -13,14 +13,14 @@ pub enum Disturbance {
         /// Correlation of neighbouring rows.
         correlation: f64,
     },
-    /// The mean of the last so many rows of white noise.
+    /// The mean of the last `rows` rows of white noise.
     MovingAverage {
         /// Standard deviation after averaging, Pa.
         sd_pa: f64,
         /// Rows averaged.
         rows: usize,
     },
-    /// Power in proportion to 1/f, from 20 ms to 40 s: the sum of wanderers whose time constants are octaves apart.
+    /// Power in proportion to 1/f, from 20 ms to 40 s: a sum of processes whose time constants are octaves apart.
     OneOverF {
         /// Standard deviation, Pa.
         sd_pa: f64,
@@ -30,7 +30,7 @@ pub enum Disturbance {
         /// Standard deviation after one second, Pa.
         after_a_second_pa: f64,
     },
-    /// A sine of another phase in each record.
+    /// A sine with a different phase in each record.
     Hum {
         /// Amplitude, Pa.
         amplitude_pa: f64,
@@ -40,7 +40,7 @@ pub enum Disturbance {
 }
 
 impl Disturbance {
-    /// Its values at so many rows.
+    /// Its values in `count` rows.
     pub fn rows(self, count: usize, rate_hz: f64, random: &mut Random) -> Vec<f64> {
         match self {
             Self::Autoregressive { sd_pa, correlation } => autoregressive(count, sd_pa, correlation, random),
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn every_octave_of_a_one_over_f_wander_has_the_same_power() {
         let rows = Disturbance::OneOverF { sd_pa: 100.0 }.rows(1 << 18, 100.0, &mut Random::new(3));
-        // Allan variance: differences of neighbouring means have the same size over every span within the band.
+        // Allan variance: differences of neighbouring means are equally large for every span within the band.
         let allan = |span: usize| {
             let means: Vec<f64> = rows.chunks_exact(span).map(|c| c.iter().sum::<f64>() / span as f64).collect();
             (means.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / means.len() as f64).sqrt()

@@ -1,4 +1,4 @@
-//! What happens to a reading between the gas and the row of a file, and what the rig file says wrongly.
+//! What happens to a reading between the gas and the row of a file, and errors of the rig file.
 //!
 //! Order: low-pass and delay of the sensor, offset, disturbances, white noise and the converter's step (of the
 //! [`Recipe`](super::super::Recipe)), spikes, slow readout, clock and unit. SI units.
@@ -7,10 +7,10 @@ use super::disturbance::Disturbance;
 use crate::synthetic::random::Random;
 use std::f64::consts::TAU;
 
-/// A value that all records have in common and a part of its own in each.
+/// A value common to all records, and a part that differs between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scattered {
-    /// In all records.
+    /// Common to all records.
     pub common: f64,
     /// Standard deviation between records.
     pub between: f64,
@@ -28,7 +28,7 @@ impl Scattered {
     }
 }
 
-/// How a sensor that is read less often than the rows come fills them.
+/// How a sensor that is read less often than the rows come fills the rows in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filled {
     /// With the last reading.
@@ -37,12 +37,12 @@ pub enum Filled {
     Interpolated,
 }
 
-/// What the rig file says, against the truth.
+/// What the rig file states, compared with the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
     /// Stated bore over the true one.
     pub bore_times: f64,
-    /// Recorded way over the true one.
+    /// Recorded travel over the true one.
     pub position_times: f64,
     /// Added to every recorded position, m.
     pub position_offset_m: f64,
@@ -53,8 +53,8 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// Errors drawn from the tolerances that a rig file has by default (standard deviations): bore and position scale
-    /// 0.5 %, position 0.5 mm, ambient temperature 2 K, heat capacity ratio 0.05 %.
+    /// Errors drawn from the default tolerances of a rig file (standard deviations): bore and position scale 0.5 %, position 0.5
+    /// mm, ambient temperature 2 K, heat capacity ratio 0.05 %.
     pub fn drawn(random: &mut Random) -> Self {
         Self {
             bore_times: 1.0 + 0.005 * random.normal(),
@@ -78,76 +78,76 @@ impl Default for Stated {
     }
 }
 
-/// By how much positions lie off a straight line.
+/// Deviation of the positions from a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
-    /// Amplitude over the way of all experiments.
+    /// Amplitude over the travel of all experiments.
     pub amplitude: f64,
-    /// Angle at both ends of the way.
+    /// Phase at both ends of the travel, rad.
     pub angles: [f64; 2],
 }
 
 impl Wave {
-    /// One of that amplitude along half a wave to one and a half.
+    /// With this amplitude along half a wave to one and a half.
     pub fn along(amplitude: f64, random: &mut Random) -> Self {
         let begin = random.uniform() * TAU;
         Self { amplitude, angles: [begin, begin + (0.5 + random.uniform()) * TAU] }
     }
 
-    /// One whose amplitude is drawn from the linearity that a rig file has by default (standard deviation): 0.02 % of the way.
+    /// With an amplitude drawn from the default linearity of a rig file (standard deviation): 0.02 % of the travel.
     pub fn drawn(random: &mut Random) -> Self {
         Self::along(2e-4 * random.normal(), random)
     }
 
-    /// Its height at a position of a way, m.
+    /// Its height at a position within the travel, m.
     pub fn at(&self, position_m: f64, (low, high): (f64, f64)) -> f64 {
         let [begin, end] = self.angles;
         self.amplitude * (high - low) * (begin + (end - begin) * (position_m - low) / (high - low)).sin()
     }
 }
 
-/// All of it; the default changes nothing.
+/// All faults; the default changes nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Faults {
-    /// Time constant of a low-pass that the gas's pressure passes, s.
+    /// Time constant of a low-pass on the gas's pressure, s.
     pub low_pass_s: f64,
-    /// How late the pressure is recorded, s; early where negative.
+    /// Delay of the recorded pressure, s; negative if early.
     pub pressure_delay_s: Scattered,
     /// Added to every pressure, Pa.
     pub offset_pa: Scattered,
-    /// Disturbances besides the recipe's white noise.
+    /// Disturbances in addition to the recipe's white noise.
     pub disturbances: Vec<Disturbance>,
-    /// Share of the pressures that are off by 4 to 20 kPa.
+    /// Fraction of the pressures that are off by 4 to 20 kPa.
     pub spikes: f64,
     /// One reading of this value, Pa, in one record.
     pub one_reading_pa: Option<f64>,
-    /// Readings in a second of a pressure sensor that is slower than the rows, and what stands between them.
+    /// Readings per second of a pressure sensor slower than the rows, and what the rows in between do.
     pub readout: Option<(f64, Filled)>,
-    /// Standard deviation of the times at which rows are read about their stamps, over the time from row to row.
+    /// Standard deviation of the rows' reading times about their stamps, over the time from row to row.
     pub jitter: f64,
-    /// By how much positions lie off a straight line.
+    /// Deviation of the positions from a straight line.
     pub position_wave: Option<Wave>,
-    /// How late the position is recorded, s.
+    /// Delay of the recorded position, s.
     pub position_delay_s: f64,
-    /// Time constant of a low-pass that the position passes, s.
+    /// Time constant of a low-pass on the position, s.
     pub position_low_pass_s: f64,
-    /// Whether these low-passes are computed from the rows, each by the reading at its own moment.
+    /// Whether these low-passes are computed from row to row, each with the reading of its own row.
     pub digital: bool,
-    /// Time over which the recorded position is a centred moving average, s.
+    /// Window over which the recorded position is a centred moving average, s.
     pub position_window_s: f64,
-    /// Readings in a second of a position sensor that is slower than the rows, and what stands between them.
+    /// Readings per second of a position sensor slower than the rows, and what the rows in between do.
     pub position_readout: Option<(f64, Filled)>,
-    /// Share of the positions that are lost (zero) or off by 1 to 20 mm.
+    /// Fraction of the positions that are lost (zero) or off by 1 to 20 mm.
     pub position_spikes: f64,
     /// Number of rows in each record that have the time stamp of the row before.
     pub repeated_stamps: usize,
-    /// Recorded pressure over its value in Pa, as of a wrong unit.
+    /// Recorded pressure over its value in Pa: not one if the unit is wrong.
     pub pressure_unit: f64,
     /// Recorded time over its value in s.
     pub time_unit: f64,
     /// Whether each file holds two cycles with the port open in between.
     pub open_port: bool,
-    /// What the rig file says.
+    /// Errors of the rig file.
     pub stated: Stated,
 }
 
@@ -179,9 +179,9 @@ impl Default for Faults {
 }
 
 impl Faults {
-    /// When rows with these stamps are read, s.
+    /// Times at which rows with these stamps are read, s.
     pub fn read(&self, time_s: &[f64], rate_hz: f64, random: &mut Random) -> Vec<f64> {
-        /// Rows are read one after the other.
+        /// Limit over the time from row to row: rows are read in order.
         const FARTHEST: f64 = 0.45;
         if self.jitter == 0.0 {
             return time_s.to_vec();
@@ -190,7 +190,7 @@ impl Faults {
         time_s.iter().map(|t| (t + late()).max(0.0)).collect()
     }
 
-    /// Spikes and the one bad reading, in place.
+    /// Applies spikes and the one bad reading, in place.
     pub fn spoil(&self, pressure_pa: &mut [f64], first_record: bool, random: &mut Random) {
         if self.spikes > 0.0 {
             for p in pressure_pa.iter_mut() {
@@ -206,7 +206,7 @@ impl Faults {
         }
     }
 
-    /// Positions that are lost or off, and those of a slow sensor, in place.
+    /// Applies lost or disturbed positions, and a slow sensor, in place.
     pub fn spoil_positions(&self, rate_hz: f64, position_m: &mut [f64], random: &mut Random) {
         if self.position_spikes > 0.0 {
             for x in position_m.iter_mut() {
@@ -219,7 +219,7 @@ impl Faults {
         slow_readout(self.position_readout, rate_hz, position_m);
     }
 
-    /// Clock and units, in place.
+    /// Applies the errors of clock and units, in place.
     pub fn stamp(&self, time_s: &mut [f64], pressure_pa: &mut [f64], random: &mut Random) {
         for _ in 0..self.repeated_stamps {
             let row = 1 + random.below(time_s.len() - 1);
@@ -236,7 +236,7 @@ pub fn slow_readout(readout: Option<(f64, Filled)>, rate_hz: f64, column: &mut [
     let every = (rate_hz / readout_hz).round().max(1.0) as usize;
     for first in (0..column.len()).step_by(every) {
         let from = column[first];
-        // Beyond the last reading there is nothing to go to.
+        // The last reading has no successor.
         let to = column.get(first + every).copied().unwrap_or(from);
         let end = (first + every).min(column.len());
         for (k, value) in column[first..end].iter_mut().enumerate() {
@@ -248,8 +248,8 @@ pub fn slow_readout(readout: Option<(f64, Filled)>, rate_hz: f64, column: &mut [
     }
 }
 
-/// When a slow sensor is read whose rate does not divide that of the rows, s: at the record's begin, then by a clock of its own, until
-/// after the last row. `None` where its readings are rows.
+/// Reading times, s, of a slow sensor whose rate does not divide that of the rows: at the record's begin, then by its own clock,
+/// until after the last row. `None` if its readings are rows.
 pub fn own_times(
     readout: Option<(f64, Filled)>,
     rate_hz: f64,
@@ -267,7 +267,7 @@ pub fn own_times(
     Some([0.0].into_iter().chain(own.take_while(|t| *t < until_s)).collect())
 }
 
-/// What rows at these times show of a sensor that was read at times of its own.
+/// What rows at these times show of a sensor that was read at its own times.
 pub fn at_rows(rows_s: &[f64], own_s: &[f64], readings: &[f64], filled: Filled) -> Vec<f64> {
     let shown = |t: &f64| {
         let next = own_s.partition_point(|own| own <= t).clamp(1, own_s.len() - 1);
@@ -280,7 +280,7 @@ pub fn at_rows(rows_s: &[f64], own_s: &[f64], readings: &[f64], filled: Filled) 
     rows_s.iter().map(shown).collect()
 }
 
-/// First-order low-pass of a signal sampled every `step_s`, linear in between, beginning at rest: exact.
+/// Exact first-order low-pass of a signal sampled every `step_s` and linear in between, starting at rest.
 pub fn low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
     if time_constant_s <= 0.0 || signal.is_empty() {
         return;
@@ -295,7 +295,7 @@ pub fn low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
     }
 }
 
-/// The same computed from row to row: ahead of that by half of a step.
+/// The same computed from row to row, which is ahead by half a step.
 pub fn digital_low_pass(signal: &mut [f64], step_s: f64, time_constant_s: f64) {
     let kept = (-step_s / time_constant_s).exp();
     let Some(mut shown) = signal.first().copied() else { return };

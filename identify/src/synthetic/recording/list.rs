@@ -1,16 +1,16 @@
-//! The recordings: one entry a kind.
+//! The recordings: one entry per kind.
 
 use super::{Disturbance, Expected, Filled, Random, Recipe, Recording, Scattered, Stated, Wave};
 use crate::synthetic::Outside;
 
-/// Step of a converter of 12 bit over 16 bar, Pa.
+/// Step of a 12 bit converter over 16 bar, Pa.
 const TWELVE_BIT_PA: f64 = 1.6e6 / 4096.0;
-/// Rows from one reading to the next of a sensor by its own clock.
+/// Rows from one reading to the next of a sensor with its own clock.
 const ROWS_A_READING: f64 = 4.07;
 /// White noise beside a slow disturbance, Pa.
 const FLOOR_PA: f64 = 60.0;
 
-/// A recording of which nothing is to be said.
+/// A recording without anything special.
 const PLAIN: Recording = Recording {
     name: "",
     what: "",

@@ -1,7 +1,7 @@
-//! Recordings as benches really make them: what is done to a rig's ideal readings, and what a diagnosis owes to it.
+//! Recordings as real benches make them: what happens to a rig's ideal readings, and the answer expected of a diagnosis.
 //!
-//! [`ALL`] lists them. [`Recording::apply`] turns a [`Recipe`] into one that records so; [`Recording::judge`] says
-//! whether an answer is the one that such a recording deserves.
+//! [`ALL`] lists them. [`Recording::apply`] makes a [`Recipe`] record in this way; [`Recording::judge`] says whether an answer is
+//! the one expected for it.
 
 pub mod disturbance;
 pub mod faults;
@@ -13,12 +13,12 @@ pub use list::ALL;
 
 use super::{Random, Recipe};
 
-/// What a diagnosis owes to a recording of a rig without any effect.
+/// The answer expected of a diagnosis for a recording of a rig without any effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expected {
-    /// `adequate`, without any name.
+    /// `adequate`, without any named effect.
     Adequate,
-    /// One of these names, which are what was done.
+    /// One of these names, which describe what was done.
     Named(&'static [&'static str]),
     /// `adequate`, or these names: what was done may lie within the noise.
     AdequateOr(&'static [&'static str]),
@@ -28,16 +28,16 @@ pub enum Expected {
     Refused,
 }
 
-/// How an answer compares with what is expected of it.
+/// How an answer compares with the expected one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// As it should be.
+    /// As expected.
     Right,
-    /// Right within a group that the answer says cannot be told apart.
+    /// Right within a group that the answer calls indistinguishable.
     Alike,
-    /// A name of what is not there.
+    /// It names something that is not there.
     WrongName,
-    /// Nothing wrong is said, but not what is expected either.
+    /// Nothing it says is wrong, but it is not the expected answer either.
     Missed,
     /// An error where there should be an answer.
     Refused,
@@ -48,14 +48,14 @@ impl Outcome {
     pub const ALL: [Self; 5] = [Self::Right, Self::Alike, Self::WrongName, Self::Missed, Self::Refused];
 }
 
-/// An answer as far as it is judged.
+/// The parts of an answer that are judged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// Verdict of the diagnosis; refused where there is none.
+    /// Verdict of the diagnosis; `refused` if there is none.
     pub verdict: String,
     /// Names of the effects.
     pub effects: Vec<String>,
-    /// Groups that cannot be told apart, each with the chosen names first, names of a set joined by " + ".
+    /// Indistinguishable groups, each with the chosen names first; names of a set are joined by " + ".
     pub indistinguishable: Vec<Vec<String>>,
 }
 
@@ -66,20 +66,20 @@ pub struct Recording {
     pub name: &'static str,
     /// What is done.
     pub what: &'static str,
-    /// What a diagnosis of a rig without an effect should say.
+    /// The answer expected for a rig without any effect.
     pub expected: Expected,
-    /// Whether λ0 can be right: not where the rig file is wrong beyond its tolerance.
+    /// Whether λ0 can be right: not if the rig file is wrong beyond its tolerance.
     pub judges_lambda0: bool,
-    /// Effects that cannot be seen beside what is done, or are the same thing.
+    /// Effects that are invisible beside what is done, or amount to the same.
     pub hides: &'static [&'static str],
     changes: fn(&mut Recipe, &mut Random),
 }
 
 impl Recording {
-    /// The recipe recorded in this way.
+    /// The recipe, recorded in this way.
     pub fn apply(&self, mut recipe: Recipe) -> Recipe {
         let random = &mut Random::new(recipe.seed ^ 0x7ec0_4d17);
-        // A converter of 16 bit over 10 bar and a good position sensor, where nothing else is said.
+        // A 16 bit converter over 10 bar and a good position sensor, unless changed below.
         recipe.quantisation_pa = 1e6 / 65536.0;
         recipe.noise_pa = random.log_uniform(60.0, 300.0);
         recipe.position_noise_m = recipe.position_noise_m.min(5e-6);
@@ -119,7 +119,7 @@ impl Recording {
         let found = effect.is_none_or(|e| names.contains(&e));
         let right = match (self.expected, effect) {
             (Expected::Refused, _) => false,
-            // Within the tolerance of what the model may describe, `improved` says no more than it knows.
+            // Where the model may describe an error within its tolerance, `improved` claims no more than it knows.
             (Expected::NotExplained, None) => !(wrong && verdict == "explained"),
             (Expected::NotExplained, Some(_)) => found,
             (Expected::Adequate, None) => verdict == "adequate",
