@@ -11,7 +11,7 @@ pub const MOST_OF_USUAL: f64 = 25.0;
 pub struct Bends {
     /// One for each inner row.
     pub squares: Vec<f64>,
-    /// Those that are not zero, the largest first.
+    /// The nonzero ones, largest first.
     largest: Vec<f64>,
     /// Square of a bend due to rounding.
     pub rounding: f64,

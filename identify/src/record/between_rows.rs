@@ -2,9 +2,9 @@
 //!
 //! A reading without delay shows the stroke at its own row. One that is late or lags shows it between two rows, where a curve
 //! through the rows may miss it; so does a reading between two readings of a position that is not read at every row. The distance
-//! of a row from the cubic through the two rows on either side tells the error: at a corner of the stroke the curve through all
+//! of a row from the cubic through the two rows on either side gives the error: at a corner of the stroke the curve through all
 //! rows misses a quarter of it, elsewhere less (1/64 for a fourth power). This is stated as the error of moves of few rows, zero
-//! at the rows and largest half way between them. Taking back a low-pass adds its time constant times the slope: in any move, and
+//! at the rows and largest halfway between them. Taking back a low-pass adds its time constant times the slope: in any move, and
 //! at the rows too, this adds the error of the curve's slope and that of the positions' noise in it.
 //! Position in m, time in s.
 
@@ -41,7 +41,7 @@ pub struct Look {
 struct Gap {
     from_s: f64,
     to_s: f64,
-    /// Error of the curve half way, m.
+    /// Error of the curve halfway, m.
     error_m: f64,
     /// Rows in it, which share an error of the slope and count as one reading.
     rows: f64,
@@ -235,7 +235,7 @@ mod tests {
         };
         assert_eq!(open(Look::default()), 0.0);
         assert!(open(Look { lag_s: 0.002, ..Look::default() }) > 0.0);
-        // A long lag remembers the move a while.
+        // A long lag remembers the move for a while.
         let behind = |lag_s: f64| BetweenRows::new(&motion, Look { lag_s, ..Look::default() }).error_m(0.42);
         assert!(behind(0.02) > 10.0 * behind(0.002), "{} {}", behind(0.02), behind(0.002));
         assert!(open(Look { late_s: -0.5 * ROW, ..Look::default() }) > 0.0);

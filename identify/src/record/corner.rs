@@ -12,18 +12,18 @@ use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The move is under way from this many successive rows on that are all off the hold by this many standard deviations.
+/// The piston is in motion from this many successive rows on that are all off the hold by this many standard deviations.
 const UNDER_WAY: (usize, f64) = (2, 5.0);
-/// Numbers of rows under way that are tried: the largest that a curve with a corner follows is taken.
+/// Numbers of rows in motion that are tried: the largest that a curve with a corner follows is taken.
 const ROWS: [usize; 10] = [384, 192, 96, 64, 48, 32, 24, 16, 12, 8];
 /// Numbers of coefficients of a curve that are tried: no more than the rows require.
 const COEFFICIENTS: std::ops::RangeInclusive<usize> = 3..=MOST;
 const MOST: usize = 6;
-/// Least number of rows under way in excess of the coefficients.
+/// Least number of rows in motion in excess of the coefficients.
 const SPARE: usize = 3;
-/// Most rows before those under way that are included in the fit.
+/// Most rows before those in motion that are included in the fit.
 const BEFORE: usize = 1000;
-/// Excess of the squares that a curve may leave of the rows under way, in standard deviations of the noise's own.
+/// Excess of the squares that a curve may leave of the rows in motion, in standard deviations of the noise's own.
 const DEVIATIONS: f64 = 1.0;
 /// Squares that a gentle start leaves beyond those of a true corner: exceeded by chance once in two million.
 const CLEAR: f64 = 25.0;
@@ -118,7 +118,7 @@ struct Rows<'a> {
     noise_m: f64,
 }
 
-/// Powers of the time since its begin that a curve consists of.
+/// Powers of the time since its start that a curve consists of.
 #[derive(Clone, Copy)]
 struct Form {
     lowest: usize,
@@ -130,7 +130,7 @@ struct Curve {
     begin_s: f64,
     /// Its coefficients, from the lowest power on, with time in s.
     powers: [f64; MOST],
-    /// Rows behind its begin.
+    /// Rows behind its start.
     under_way: usize,
     /// Squares of their distances from it, over their noise, ...
     squares_under_way: f64,
@@ -139,7 +139,7 @@ struct Curve {
 }
 
 impl Curve {
-    /// Whether the rows under way are as near to it as noise allows, for this number of coefficients.
+    /// Whether the rows in motion are as near to it as noise allows, for this number of coefficients.
     fn is_within_noise(&self, coefficients: usize) -> bool {
         let free = self.under_way.saturating_sub(coefficients + 1).max(1) as f64;
         self.squares_under_way < free + DEVIATIONS * (2.0 * free).sqrt()

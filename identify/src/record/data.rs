@@ -90,7 +90,7 @@ impl Prepared {
             .fold(0.0, f64::max)
     }
 
-    /// Leaves out what follows its first gap, if it has one: nothing tells the gas temperature there.
+    /// Leaves out what follows its first gap, if it has one: the gas temperature there is unknown.
     pub fn leave_out_behind_gap(&mut self) {
         if let Some(first) = gaps::of(&self.course.motion).next().map(|gap| gap.first) {
             self.readout.at_gaps.push(first..self.time_s.len());
@@ -261,7 +261,7 @@ impl Data {
         self
     }
 
-    /// The same with these records whole again.
+    /// The same with these records used in full again.
     pub fn with_records_again(mut self, records: &[usize]) -> Self {
         let gamma = self.gas.heat_capacity_ratio;
         for &k in records {

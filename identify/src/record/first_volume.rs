@@ -28,7 +28,7 @@ pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
 /// Dead volume as a length of cylinder, m, if the gas is as warm at the end of a record as at its start: P0 (x0 + l) = P1 (x1 +
 /// l).
 fn by_pressures(trace: &Prepared) -> Option<f64> {
-    /// A smaller relative change of pressure tells nothing about a volume.
+    /// A smaller relative change of pressure does not determine a volume.
     const LEAST_CHANGE: f64 = 0.1;
     let motion = &trace.course.motion;
     let (begin_s, end_s) = motion.extent();

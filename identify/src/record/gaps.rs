@@ -71,7 +71,7 @@ pub fn motion(time_s: &[f64], position_m: &[f64], positions: &Positions) -> Moti
     whole
 }
 
-/// A lost part of a record, with the stroke taken for it.
+/// A lost part of a record, with the stroke assumed for it.
 fn lost(rows: Range<usize>, stroke: Spline) -> Segment {
     let (from_s, to_s) = stroke.ends();
     Segment { phase: Phase::Move, lost: true, first: rows.start, end: rows.end, from_s, to_s, stroke, shift_s: 0.0 }
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_move_begins_where_it_does_though_a_gap_leaves_few_rows_before_it_that_were_read_unevenly() {
-        // 0.25 s at rest, then speed up in 0.2 s.
+        // 0.25 s at rest, then accelerating for 0.2 s.
         let stroke = |t: f64| {
             let u = (t - 0.25).max(0.0);
             0.36 - if u < 0.2 { 0.9 * u * u } else { 0.36 * (u - 0.1) }
@@ -283,7 +283,7 @@ mod tests {
     fn a_piston_that_goes_and_comes_back_in_a_gap_moved_in_it() {
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             (0..600).map(|i| 0.01 * f64::from(i)).map(|t| (t, 0.1 + 0.03 * (4.0 * t).sin())).unzip();
-        // Around a point where it turns.
+        // Around a turning point.
         let (turn, lost) = (std::f64::consts::PI * 1.125, 0.2);
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             time_s.into_iter().zip(position_m).filter(|(t, _)| (t - turn).abs() > lost).unzip();

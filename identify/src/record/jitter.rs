@@ -53,7 +53,7 @@ struct Row {
 
 /// When the rows of a record were read.
 pub struct Times {
-    /// The times, s, as far as the positions tell them.
+    /// The times, s, as far as the positions determine them.
     pub time_s: Vec<f64>,
     /// Standard deviation of the true times about those, s: that of the clock in rows without motion.
     pub open_s: Vec<f64>,

@@ -9,7 +9,7 @@ const FEWEST_ROWS: usize = 3;
 const DEVIATIONS: f64 = 6.0;
 const SHARE: f64 = 1e-5;
 
-/// Begin and end, s, of the ramp from `before` to `after` on which every row of a move lies, if there is one.
+/// Start and end, s, of the ramp from `before` to `after` on which every row of a move lies, if there is one.
 pub fn corners(time_s: &[f64], position_m: &[f64], before: f64, after: f64, noise_m: f64) -> Option<[f64; 2]> {
     let span = after - before;
     let inside: Vec<(f64, f64)> = time_s

@@ -57,7 +57,7 @@ pub fn ends(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Reado
     [(most, true), (least, false)].into_iter().filter_map(end).collect()
 }
 
-/// The rows of a record that read these ends of the range, each with the few between them.
+/// The rows of a record that read these ends of the range, including the few between them.
 pub fn rows_at(ends_pa: &[f64], pressure_pa: &[f64]) -> Vec<Range<usize>> {
     ends_pa.iter().flat_map(|end_pa| stretches(pressure_pa, *end_pa)).collect()
 }

@@ -2,7 +2,7 @@
 
 /// Highest order of differences used: a course that turns within few readings leaves something in the lower ones.
 const HIGHEST: usize = 10;
-/// With fewer readings than this multiple of the order of their differences, these cannot be told from the order below.
+/// With fewer readings than this multiple of the order of their differences, these cannot be distinguished from the order below.
 const FEWEST: usize = 12;
 /// If the next order shows this fraction of the scatter or more, both show the same.
 const SAME: f64 = 0.8;
@@ -45,7 +45,7 @@ fn of_differences(differences: &[f64], order: usize) -> f64 {
     let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    // Readings of few steps have few different differences: their mean square says more than their median.
+    // Readings of few steps have few distinct differences: their mean square says more than their median.
     let quiet = &sizes[..sizes.partition_point(|d| *d <= 4.5 * median)];
     let square = quiet.iter().map(|d| d * d).sum::<f64>() / quiet.len().max(1) as f64;
     (square / passed(order)).sqrt()

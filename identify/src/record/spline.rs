@@ -117,7 +117,7 @@ impl Spline {
         (self.time[0], self.time[self.time.len() - 1])
     }
 
-    /// Number of a move's knots that lie under way.
+    /// Number of a move's knots at which the piston is in motion.
     pub fn knots_inside(&self) -> usize {
         let (low, high) = self.range();
         let end = ENDS * (high - low);

@@ -40,7 +40,7 @@ pub struct Segment {
     pub first: usize,
     /// One past the last row.
     pub end: usize,
-    /// Begin, s.
+    /// Start, s.
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,

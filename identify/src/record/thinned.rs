@@ -1,7 +1,7 @@
 //! The curve of a long move with few knots, each from a local cubic through the rows around it.
 //!
 //! Knots are evenly spaced, as far apart as all rows together stay within their noise of the curve, with more between them where
-//! single rows ask for it (at a corner). If no even spacing does (a piston that starts at once and then approaches its end), a
+//! single rows require it (at a corner). If no even spacing fits (a piston that starts at once and then approaches its end), a
 //! few knots are refined. The position noise then no longer shakes the speed from row to row, and a simulation takes longer
 //! steps. Position in m, time in s.
 
@@ -76,7 +76,7 @@ impl Rows<'_> {
         rows.map(|i| ((self.position_m[i] - curve.at(self.time_s[i], &near).0) / self.noise_m).powi(2)).sum()
     }
 
-    /// The curve with further knots added half way between two of them, wherever the rows there are farther from it than their
+    /// The curve with further knots added halfway between two of them, wherever the rows there are farther from it than their
     /// noise allows.
     fn refined(&self, mut knots: Vec<usize>) -> Spline {
         const DEVIATIONS: f64 = 3.0;

@@ -82,7 +82,7 @@ impl<'a> TrueStroke<'a> {
     }
 
     /// The longest first step on a stretch and the longest step at all, s: a fiftieth of the shortest part of the record in it,
-    /// since the previous step tells nothing there, and a tenth of the shortest move. What counts as a move begins and ends with
+    /// since the previous step is no guide there, and a tenth of the shortest move. What counts as a move begins and ends with
     /// rows of rest, and all stages of a longer step may fall on these.
     pub fn longest_steps(&self, stretch: usize) -> [f64; 2] {
         let begin = if stretch == 0 { self.motion.extent().0 } else { self.ends[stretch - 1] };

@@ -24,7 +24,7 @@ const FEW_ROWS: usize = 10;
 /// Least travel of a turn at an end of the record, over the noise.
 const LEAST_WAY: f64 = 5.0;
 
-/// Rows on either side of a row that tell whether it moves: in this many rows of a move the piston may still stand.
+/// Rows on either side of a row that decide whether it moves: in this many rows of a move the piston may still stand.
 pub const REACH: usize = 3;
 
 /// Whether the piston turns in these rows of a stop; `around` covers the stop and the adjacent moves.

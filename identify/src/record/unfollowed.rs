@@ -1,20 +1,20 @@
 //! Moves that end before the position has been read often enough to show their course.
 //!
-//! The curve through fewer than three readings under way misses 1 to 5 % of a move's travel, far more than the noise of a
-//! pressure: readings in such a move tell about the stroke and not about the gas. The hold after it depends on the course through
+//! The curve through fewer than three readings in motion misses 1 to 5 % of a move's travel, far more than the noise of a
+//! pressure: readings in such a move give information on the stroke, not on the gas. The hold after it depends on the course through
 //! the heat exchanged in the move, the integral of (T − Tw) A. To first order a wrong course is one that is early or late as a
-//! whole, as its mean position tells ([`Spline::open_shift`]). Since T − Tw is no linear function of the position, a further
+//! whole, as its mean position shows ([`Spline::open_shift`]). Since T − Tw is no linear function of the position, a further
 //! uncertainty remains: [`SHIFT`].
 
 use crate::record::spline::Spline;
 
-/// Fewest readings under way that show a move's course.
+/// Fewest readings in motion that show a move's course.
 const FEWEST_READINGS: usize = 3;
 /// Standard deviation of the time by which the course is early or late for the gas if its mean position is right, over the time
-/// between two readings. With two readings under way it is a third of this.
+/// between two readings. With two readings in motion it is a third of this.
 pub const SHIFT: f64 = 0.015;
 
-/// Whether a move has too few readings under way.
+/// Whether a move has too few readings in motion.
 pub fn is_unfollowed(stroke: &Spline) -> bool {
     !stroke.is_line() && stroke.knots_inside() < FEWEST_READINGS
 }
@@ -28,7 +28,7 @@ mod tests {
     /// Number of integration steps over a move.
     const STEPS: usize = 1000;
 
-    /// How late a course is for the gas beyond what its mean position tells, over the time between two readings. The volume ratio
+    /// How late a course is for the gas beyond what its mean position shows, over the time between two readings. The volume ratio
     /// is that of the move's end; the area is half that of all walls, without that along the stroke.
     fn beyond_mean(random: &mut Random) -> Option<f64> {
         let (length, begin) = (random.between(0.2, 1.99), random.uniform());

@@ -11,7 +11,7 @@ use super::repeats;
 use super::stroke::Phase;
 use records::extremes;
 
-/// Fewest other records that tell how much repeats differ.
+/// Fewest other records that show how much repeats usually differ.
 const FEWEST_OTHERS: usize = 4;
 /// A record is unlike its repeats if it differs by this multiple of what others do...
 const TIMES: f64 = 10.0;

@@ -1,7 +1,7 @@
 //! What a moving average hides of a stroke: moves hardly longer than the window cannot be recovered.
 //!
 //! The stroke behind an average ([`chamber::unaveraged`]) lacks what changes faster than its window. The sixth difference δ⁶ of
-//! the record over steps of half a window tells where: pushes of 1.25 to 3 windows are recovered with an rms error of 0.6 to 0.9
+//! the record over steps of half a window shows where: pushes of 1.25 to 3 windows are recovered with an rms error of 0.6 to 0.9
 //! times the largest δ⁶/70 within half a window, which is the error stated here. Position in m, time in s.
 
 use crate::record::stroke::{Motion, Phase, Segment};

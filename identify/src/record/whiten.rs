@@ -11,7 +11,7 @@
 //! g = (1 − e^(−u))/u and f = 2 (u − 1 + e^(−u))/u². Source: R. E. Kalman, J. Basic Eng. 82 (1960) 35; innovations as
 //! residuals of a grey-box model: N. R. Kristensen, H. Madsen and S. B. Jørgensen, Automatica 40 (2004) 225.
 
-// Vectors and matrices by index read as their formulas.
+// Indexed vectors and matrices read like their formulas.
 #![allow(clippy::needless_range_loop)]
 
 use crate::record::noise::{FLICKER_COLOURS, Noise};
@@ -31,9 +31,9 @@ const MOST: usize = FLICKER_COLOURS + IN_COMMON + 3;
 /// Where and how one mean of readings was taken. Times in s, standard deviations in Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
-    /// Begin of the mean.
+    /// Start of the mean.
     pub begin_s: f64,
-    /// Its end; equal to the begin for a single reading.
+    /// Its end; equal to the start for a single reading.
     pub end_s: f64,
     /// Variance of its white part, Pa².
     pub variance: f64,

@@ -45,7 +45,7 @@ pub struct Test {
     pub moves: Vec<(f64, f64, Shape, f64)>,
 }
 
-/// What happens on a bench besides its moves.
+/// Conditions of a bench other than its moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bench {
     /// Speed at which the piston creeps after a record's first move, m/s.

@@ -46,7 +46,7 @@ impl Shape {
 /// One move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Begin, s.
+    /// Start, s.
     pub begin_s: f64,
     /// Duration, s.
     pub length_s: f64,

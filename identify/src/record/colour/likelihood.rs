@@ -105,9 +105,9 @@ impl Likelihood<'_> {
         (freedom * (free / variance + variance.ln()) + determinants, scale_by(shape, variance.sqrt()))
     }
 
-    /// The best noise: white, with the hum if it is known, and with the processes that pay: coloured ones of up to `longest_s`,
-    /// or flicker noise of up to `record_s`. Where the windows do not tell coloured noise from flicker noise, which wanders over
-    /// the whole record, the latter is taken: a missed effect can be found in more records, a false one is believed.
+    /// The best noise: white, with the hum if it is known, and with the processes that reduce the cost: coloured ones of up to
+    /// `longest_s`, or flicker noise of up to `record_s`. If the windows do not distinguish these, flicker noise, which wanders over
+    /// the whole record, is taken: a missed effect can be found in more records, a false one is believed.
     pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
         let coloured = self.coloured(white.clone(), longest_s);
@@ -128,7 +128,7 @@ impl Likelihood<'_> {
         self.tuned(best, COHERENT).1
     }
 
-    /// The one of lower cost: each process beyond white noise has to pay for its two parameters, as does flicker noise.
+    /// The one of lower cost: each process beyond white noise costs two parameters, and so does flicker noise.
     fn better(&self, a: (f64, Noise), b: (f64, Noise)) -> (f64, Noise) {
         if self.cost(&b) < self.cost(&a) { b } else { a }
     }
@@ -140,7 +140,7 @@ impl Likelihood<'_> {
         deviance + (colours + f64::from(u8::from(noise.hum.is_some()))) * two_numbers
     }
 
-    /// With up to two coloured processes, as many as pay.
+    /// With up to two coloured processes, as many as reduce the cost.
     fn coloured(&self, noise: (f64, Noise), longest_s: f64) -> (f64, Noise) {
         let one = self.with_another_colour(&noise.1, longest_s);
         let best = self.better(noise, one.clone());

@@ -25,7 +25,7 @@ const FREE_ALONE: usize = 4;
 const FREE_IN_CONTRAST: usize = 1;
 /// Most values used in all windows together.
 const MOST_POINTS: usize = 30_000;
-/// Fewest values that tell anything about colour.
+/// Fewest values that show any colour.
 const FEWEST_POINTS: usize = 120;
 /// Fewest periods of a hum in the longest window where there are no repeats: with fewer it may be the gas.
 const FEWEST_PERIODS: f64 = 2.0;
@@ -99,8 +99,8 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
     seen.or_else(|| nothing_but_hum(&Likelihood { free: FREE_IN_CONTRAST, ..likelihood }, start))
 }
 
-/// A hum of too few periods to tell it from the gas, if it and white noise are all there is in unmodified rests and holds: the
-/// course that a missing effect leaves is no sine, the same in short holds and in long ones.
+/// A hum of too few periods to distinguish it from the gas, if it and white noise are all there is in rests and holds free of
+/// their means only: the course that a missing effect leaves is no sine, the same in short holds and in long ones.
 fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
     // One with a wandering phase could follow any course.
     let steadiest = *COHERENT.end();

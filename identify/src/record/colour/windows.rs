@@ -167,7 +167,7 @@ mod tests {
         let sizes = [(500, 50.0), (600, 60.0), (500, 5e3), (700, 50.0), (550, 80.0), (40, 3.0), (50, 2.0)];
         let kept = in_keeping(sizes.map(|(rows, sd_pa)| window(rows, sd_pa)).into());
         assert_eq!(kept.iter().map(|w| w.values.len()).collect::<Vec<_>>(), [500, 600, 700, 550, 40, 50]);
-        // With three windows nothing tells which is the usual one.
+        // Three windows do not show which is the usual one.
         assert_eq!(in_keeping(vec![window(500, 50.0), window(500, 50.0), window(500, 5e3)]).len(), 3);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::bends::{Bends, MOST_OF_USUAL};
 
-/// How the rows between two readings came to be.
+/// How the rows between two readings were filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
     /// Every row is a reading.

@@ -1,7 +1,7 @@
 //! Readings interpolated to the rows, at times given by the sensor's own clock.
 //!
 //! Between two readings the rows lie on a straight line. Where two lines meet between two rows, both of these bend, each in
-//! proportion to its nearness to the reading: together they tell its time. Its pressure is that of the lines there.
+//! proportion to its nearness to the reading: together they give its time. Its pressure is that of the lines there.
 
 use super::super::bends::{Bends, MOST_OF_USUAL, scatter};
 use super::beat::{BY_CHANCE, Beat, Mark};
@@ -69,7 +69,7 @@ impl Bent {
         Some((row, [bend(row)?, bend(row + 1)?]))
     }
 
-    /// Refines the beat to the reading times that the bends beside them tell.
+    /// Refines the beat by the reading times that follow from the bends beside them.
     fn refined(&self, mut beat: Beat) -> Beat {
         const ROUNDS: usize = 3;
         let most = self.squares.iter().copied().fold(0.0, f64::max);

@@ -61,7 +61,7 @@ mod tests {
     }
 
     impl Record {
-        /// Of so many rows, of which those that are kept are in the file.
+        /// With `rows` rows, of which those kept are in the file.
         fn of(sensor: Sensor, between: Between, seed: u64, rows: usize, is_kept: impl Fn(usize) -> bool) -> Self {
             let Sensor { period, noise_pa, step_pa } = sensor;
             let mut random = Random::new(seed);
@@ -86,7 +86,7 @@ mod tests {
             of_logger(&[(&self.time_s, &self.pressure_pa)], None).remove(0)
         }
 
-        /// Checks that at least this share of its readings is found, no others, and when they were taken, rows, and their pressures, Pa.
+        /// Checks that at least this fraction of its readings is found, no others, and their times, rows, and pressures, Pa.
         fn assert_read(&self, found: &Readings, share: f64, within: [f64; 2], what: &str) {
             let count = self.pressure_pa.len() as f64 / found.period();
             let taken = found.by_own_clock().unwrap();
@@ -204,7 +204,7 @@ mod tests {
             ("rest", |_| 2e5),
         ];
         for (name, course) in courses {
-            // 16, 14, 12 and 8 bit over 16 bar, with noise of no step to three.
+            // 16, 14, 12 and 8 bit over 16 bar, with noise of zero to three steps.
             for (step_pa, noise) in
                 [0.1, 97.7, 390.6, 6250.0].iter().flat_map(|s| [0.0, 0.1, 0.2, 0.3, 0.5, 3.0].map(|n| (*s, n * s)))
             {

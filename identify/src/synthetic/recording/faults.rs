@@ -46,7 +46,7 @@ pub struct Stated {
     pub position_times: f64,
     /// Added to every recorded position, m.
     pub position_offset_m: f64,
-    /// Stated ambient temperature less the true one, K; a recorded column is right.
+    /// Stated ambient temperature less the true one, K; a recorded column has the same error.
     pub ambient_offset_k: f64,
     /// Heat capacity ratio of the stated gas over that of the gas in the chamber.
     pub heat_capacity_ratio_times: f64,
@@ -248,7 +248,7 @@ pub fn slow_readout(readout: Option<(f64, Filled)>, rate_hz: f64, column: &mut [
     }
 }
 
-/// Reading times, s, of a slow sensor whose rate does not divide that of the rows: at the record's begin, then by its own clock,
+/// Reading times, s, of a slow sensor whose rate does not divide that of the rows: at the record's start, then by its own clock,
 /// until after the last row. `None` if its readings are rows.
 pub fn own_times(
     readout: Option<(f64, Filled)>,
