@@ -146,7 +146,7 @@ pub fn blocks(
             let (t, p) = (mean(time_s), mean(pressure_pa));
             let spread = (own.iter().map(|&i| (time_s[i] - t).powi(2)).sum::<f64>() / n).sqrt();
             // A position error changes the pressure by P/V times the volume error, by γ times that if it is sudden. The dead
-            // volume is not known yet and taken as a tenth of the stroke.
+            // volume is not known yet and is taken as a tenth of the stroke.
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
             let moves = s.phase == Phase::Move;
             // What an averaged position hides is the same over a window, whose rows count as one reading.

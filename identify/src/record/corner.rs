@@ -23,9 +23,9 @@ const MOST: usize = 6;
 const SPARE: usize = 3;
 /// Most rows before those in motion that are included in the fit.
 const BEFORE: usize = 1000;
-/// Excess of the squares that a curve may leave of the rows in motion, in standard deviations of the noise's own.
+/// Largest excess of a curve's squares for the rows in motion over those of noise, in standard deviations of the latter.
 const DEVIATIONS: f64 = 1.0;
-/// Squares that a gentle start leaves beyond those of a true corner: exceeded by chance once in two million.
+/// There is a corner if a gentle start leaves squares larger by this: once in two million by chance.
 const CLEAR: f64 = 25.0;
 /// Time from a corner to the first row that a curve uses, in rows: the noise of a row right behind it would shake the speed.
 const BEHIND: f64 = 0.5;

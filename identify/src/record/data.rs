@@ -59,7 +59,7 @@ pub struct Prepared {
     /// How its readings depend on the recorded stroke, where that leaves its moves uncertain.
     pub look: Look,
     /// Response of the pressure in each row to the heat of forced convection, Pa per relative change of that heat, where the
-    /// model has it: a fraction is uncertain from the rows of a move.
+    /// model has it: part of this heat is uncertain from the rows of a move.
     pub by_speed_pa: Vec<f64>,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,

@@ -25,8 +25,8 @@ pub fn first_guess(traces: &[Prepared], piston_area_m2: f64) -> f64 {
     piston_area_m2 * length.max(LEAST_LEFT * travel - smallest)
 }
 
-/// Dead volume as a length of cylinder, m, if the gas is as warm at the end of a record as at its start: P0 (x0 + l) = P1 (x1 +
-/// l).
+/// Dead volume as a length of cylinder, m, if the gas is as warm at the end of a record as at its start:
+/// P0 (x0 + l) = P1 (x1 + l).
 fn by_pressures(trace: &Prepared) -> Option<f64> {
     /// A smaller relative change of pressure does not determine a volume.
     const LEAST_CHANGE: f64 = 0.1;

@@ -77,8 +77,8 @@ fn lost(rows: Range<usize>, stroke: Spline) -> Segment {
     Segment { phase: Phase::Move, lost: true, first: rows.start, end: rows.end, from_s, to_s, stroke, shift_s: 0.0 }
 }
 
-/// The stroke assumed in a gap: it joins the speeds before and behind the gap, reduced if it would otherwise leave the range of
-/// the record's positions, and is a straight line if that does not suffice.
+/// The stroke assumed in a gap: a cubic that joins the speeds on both sides, which are halved until it stays within the range of
+/// the record's positions; else a straight line.
 fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
     /// Distance by which the piston may leave that range, as a fraction of it.
     const OUT: f64 = 0.02;

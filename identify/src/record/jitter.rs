@@ -4,8 +4,8 @@
 //! same row. The distances of positions and pressures from the cubics through the two rows on either side therefore have the
 //! covariance v Ṗ σ², which gives the jitter's standard deviation σ whatever the noise of either. Where the piston moves so fast
 //! that σ v stands out from the positions' noise, the time of a row is taken as that at which the smooth course, a cubic through
-//! more rows, passes its position, as far as the positions' noise lets it be told. What a delay or a low-pass later shows of a
-//! wrong position belongs to another row, and remains. Position in m, time in s.
+//! more rows, passes its position, as far as the positions' noise allows. What a delay or a low-pass later shows of a wrong
+//! position belongs to another row, and remains. Position in m, time in s.
 
 use crate::record::between_rows::{OF_NOISE, cubic};
 use crate::record::local_cubic::local_cubic;
@@ -18,8 +18,8 @@ const BESIDE: usize = 2;
 const REACHES: [usize; 4] = [3, 5, 8, 12];
 /// The pressures show a jitter that is this many standard deviations above zero.
 const DEVIATIONS: f64 = 3.5;
-/// The products of this many rows vary as much as one alone would, since the distances of neighbours have rows in common: 1 + 2 Σ
-/// ρ² of the distances' autocorrelations ρ.
+/// The products of this many rows vary as much as one alone would, since the distances of neighbours have rows in common:
+/// 1 + 2 Σ ρ² of the distances' autocorrelations ρ.
 const ROWS_IN_ONE: f64 = 2.63;
 /// A jitter below the first fraction of the time between two rows is irrelevant; above the second, rows are read out of order.
 const OF_A_ROW: [f64; 2] = [0.01, 0.4];

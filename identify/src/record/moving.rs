@@ -15,7 +15,7 @@ pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<boo
     const FEWEST_ROWS: usize = 10;
     /// A record is not reduced to fewer means, ...
     const FEWEST_MEANS: usize = 200;
-    /// ...nor to fewer than these if no number of them shows its moves whole, but more of them show any.
+    /// ...nor to fewer than these if no number of means shows its moves whole, but a larger number shows some.
     const FEWEST_IN_PIECES: usize = 2000;
     /// A held piston wanders by no more than this fraction of the record's travel, ...
     const MOST_OF_WAY: f64 = 0.02;
@@ -160,7 +160,8 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     const WINDOWS: [usize; 2] = [16, 8];
     /// Windows for which a swing may stay near the final position.
     const PASSING: usize = 4;
-    /// Standard deviations of a mean that show that the move continues, and that it was not over after a pause.
+    /// Distances of a mean, in its standard deviations, that show that the move continues, and after a pause that it was not
+    /// over.
     const DEVIATIONS: [f64; 2] = [2.7, 3.5];
     /// Longest end of a move, over the length that single rows show of it.
     const LONGEST: usize = 8;

@@ -1,10 +1,10 @@
 //! The noise of a recording: white, coloured, hum, and the step of its readings.
 //!
 //! y = Q[h(gas) + coloured + hum + white]. Coloured noise is a sum of at most two Ornstein–Uhlenbeck processes, each with a
-//! standard deviation in Pa and a correlation time in s; five of them represent 1/f wander over the time scales of a record (M.
-//! S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white part from
-//! short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. For records without
-//! noise, the white part is [`least`]: no pressure is known better.
+//! standard deviation in Pa and a correlation time in s; five of them represent 1/f wander over the time scales of a record
+//! (M. S. Keshner, Proc. IEEE 70 (1982) 212). Hum is a line of one frequency. [`Noise::from_quiet_parts`] takes the white part
+//! from short windows before anything is fitted; [`crate::record::colour`] finds the rest in a fit's residuals. For records
+//! without noise, the white part is [`least`]: no pressure is known better.
 
 use crate::policy::KNOWN_TO;
 use crate::record::lattice::lattice;

@@ -44,9 +44,9 @@ fn goes_on(position_m: &[f64]) -> bool {
 
 /// Standard deviation that rounding to a sensor's steps leaves in the mean of any number of readings of one place, m.
 ///
-/// Noise σ moves the readings from step to step, and of the rounding's variance step²/12 the mean keeps step²/(2π²) Σ
-/// exp(−4π²k²σ²/step²)/k², which is nothing from half a step of noise on. σ is such that the rest of both variances is the
-/// readings' own scatter. Source: B. Widrow and I. Kollár, Quantization Noise (2008), chapter 4.
+/// Noise σ moves the readings from step to step, and of the rounding's variance step²/12 the mean keeps
+/// step²/(2π²) Σ exp(−4π²k²σ²/step²)/k², which is nothing from half a step of noise on. σ is such that the rest of both variances
+/// is the readings' own scatter. Source: B. Widrow and I. Kollár, Quantization Noise (2008), chapter 4.
 pub fn rounding_of_mean(readings_m: &[f64], step_m: f64) -> f64 {
     if step_m == 0.0 {
         return 0.0;

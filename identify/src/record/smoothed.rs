@@ -1,10 +1,10 @@
 //! The curve of a short move between two holds: as smooth as the noise of its rows allows, and no longer than they show.
 //!
-//! Of all curves g it minimises Σ (x − g)² + α ∫ g″² dt (Reinsch 1967). With m = g″ at the rows, T m = D g + e and ∫ g″² = mᵀ T
-//! m, a quadratic form in the rows between the two ends, whose positions and speeds the holds give. The weight α is that of the
-//! curve expected to lie nearest to the stroke: least risk Σ (x − g)²/σ² + 2 tr H, where H maps x to g (Mallows 1973). The same
-//! risk determines at which rows the move begins and ends; rows outside count as held. In a wider move, a curve through every row
-//! would follow their noise where the piston is already held, and forced convection would see a speed there.
+//! Of all curves g it minimises Σ (x − g)² + α ∫ g″² dt (Reinsch 1967). With m = g″ at the rows, T m = D g + e and
+//! ∫ g″² = mᵀ T m, a quadratic form in the rows between the two ends, whose positions and speeds the holds give. The weight α is
+//! that of the curve expected to lie nearest to the stroke: least risk Σ (x − g)²/σ² + 2 tr H, where H maps x to g (Mallows
+//! 1973). The same risk determines at which rows the move begins and ends; rows outside count as held. In a wider move, a curve
+//! through every row would follow their noise where the piston is already held, and forced convection would see a speed there.
 //! Position in m, time in s.
 
 use crate::record::spline::Spline;

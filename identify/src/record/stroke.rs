@@ -210,7 +210,7 @@ fn held(time_s: &[f64], position_m: &[f64], noise_m: f64) -> Spline {
     if is_off(&line, time_s, position_m, noise_m) {
         return thinned::through(time_s, position_m, [None, None], noise_m);
     }
-    // Rounded positions scatter less about a line than their true error.
+    // The scatter of rounded positions about a line is less than their error.
     let ends = [time_s[0], time_s[n - 1]];
     let error = line.slope_error.max(noise_m * 12.0f64.sqrt() / ((ends[1] - ends[0]) * (n as f64).sqrt()));
     if line.slope.abs() > SLOPE_SHOWS * error { Spline::line(ends, ends.map(|t| line.at(t))) } else { constant() }

@@ -1,9 +1,9 @@
 //! Moves that end before the position has been read often enough to show their course.
 //!
 //! The curve through fewer than three readings in motion misses 1 to 5 % of a move's travel, far more than the noise of a
-//! pressure: readings in such a move give information on the stroke, not on the gas. The hold after it depends on the course through
-//! the heat exchanged in the move, the integral of (T − Tw) A. To first order a wrong course is one that is early or late as a
-//! whole, as its mean position shows ([`Spline::open_shift`]). Since T − Tw is no linear function of the position, a further
+//! pressure: readings in such a move give information on the stroke, not on the gas. The hold after it depends on the course
+//! through the heat exchanged in the move, the integral of (T − Tw) A. To first order a wrong course is one that is early or late
+//! as a whole, as its mean position shows ([`Spline::open_shift`]). Since T − Tw is no linear function of the position, a further
 //! uncertainty remains: [`SHIFT`].
 
 use crate::record::spline::Spline;
@@ -29,7 +29,7 @@ mod tests {
     const STEPS: usize = 1000;
 
     /// How late a course is for the gas beyond what its mean position shows, over the time between two readings. The volume ratio
-    /// is that of the move's end; the area is half that of all walls, without that along the stroke.
+    /// is that of the move's end; half of the initial wall area does not depend on the position.
     fn beyond_mean(random: &mut Random) -> Option<f64> {
         let (length, begin) = (random.between(0.2, 1.99), random.uniform());
         let shape = random.one_of(&Shape::ALL);

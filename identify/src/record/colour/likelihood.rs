@@ -67,7 +67,7 @@ impl Likelihood<'_> {
         self.windows.iter().map(|w| w.values.len()).sum()
     }
 
-    /// −2 ln L with the noise scaled to its maximum, or to the least white part, and the scaled noise.
+    /// −2 ln L at the size of the noise that maximises L, or at the least white part, and the noise of that size.
     pub fn scaled(&self, shape: &Noise) -> (f64, Noise) {
         let (mut squares, mut determinants, mut freedom) = (0.0, 0.0, 0.0);
         let mut known: Option<Ruler> = None;
@@ -106,8 +106,8 @@ impl Likelihood<'_> {
     }
 
     /// The best noise: white, with the hum if it is known, and with the processes that reduce the cost: coloured ones of up to
-    /// `longest_s`, or flicker noise of up to `record_s`. If the windows do not distinguish these, flicker noise, which wanders over
-    /// the whole record, is taken: a missed effect can be found in more records, a false one is believed.
+    /// `longest_s`, or flicker noise of up to `record_s`. If the windows do not distinguish these, flicker noise, which wanders
+    /// over the whole record, is taken: a missed effect can be found in more records, a false one is believed.
     pub fn best(&self, start: &Noise, longest_s: f64, record_s: f64) -> Noise {
         let white = self.scaled(start);
         let coloured = self.coloured(white.clone(), longest_s);

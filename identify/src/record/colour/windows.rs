@@ -26,7 +26,7 @@ pub struct Window {
     pub distance_s: f64,
     /// Readings averaged in each value.
     pub averaged: usize,
-    /// Course of the errors common to a hold's readings, where repeats differ by them by more than noise; else empty.
+    /// Course of the errors common to a hold's readings, where these make repeats differ by more than noise; else empty.
     pub in_common: Vec<f64>,
 }
 

@@ -53,8 +53,8 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// Errors drawn from the default tolerances of a rig file (standard deviations): bore and position scale 0.5 %, position 0.5
-    /// mm, ambient temperature 2 K, heat capacity ratio 0.05 %.
+    /// Errors drawn from the default tolerances of a rig file (standard deviations): bore and position scale 0.5 %,
+    /// position 0.5 mm, ambient temperature 2 K, heat capacity ratio 0.05 %.
     pub fn drawn(random: &mut Random) -> Self {
         Self {
             bore_times: 1.0 + 0.005 * random.normal(),
