@@ -30,8 +30,8 @@ pub struct Block {
     pub range_pa: [f64; 2],
     /// How long the readings around it stay within that range, s.
     pub dwell_s: f64,
-    /// Standard deviation at each of these points due to the position noise while the piston moves, to what a moving average of
-    /// the positions hides, and to the uncertain times of the rows, Pa.
+    /// Standard deviation at each of `points_s` due to the position noise while the piston moves, to what a moving average of the
+    /// positions hides, and to the uncertain times of the rows, Pa.
     pub by_position_pa: f64,
     /// The part of it due to position noise, to the times of the rows and to the stroke between them, Pa: what a shift or a
     /// low-pass smooths.
