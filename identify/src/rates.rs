@@ -27,7 +27,7 @@ impl<R: Scalar, const N: usize, const M: usize> OfGas<R, N> for OfAnyGas<M> {
 /// Number of own states of a warming wall and of decaying turbulence, the first of all: those that tight gas has most often.
 pub const OF_WALL_AND_TURBULENCE: usize = 2;
 
-/// Gas that no effect and no flow lets in or out, with the effects' first `M` own states: a fraction of the work.
+/// Gas of constant mass: no effect and no flow lets it in or out; with the effects' first `M` own states. A fraction of the work.
 #[derive(Clone, Copy)]
 pub struct OfTightGas<const M: usize>;
 

@@ -2,9 +2,9 @@
 //!
 //! A step v solves (JᵀJ + μ D) v = Jᵀρ, ρ the residuals, D the diagonal of JᵀJ. Where the sum of squares has a narrow curved
 //! valley, such a step leads up its wall, and the damping μ makes all further steps short. A failed step is therefore retried
-//! with the curvature that it revealed: ρ(x + v) − (ρ − J v) is −½ of the model's second derivative along it, and (JᵀJ + μ D)⁻¹
-//! Jᵀ times that is added to the step. Source: M. K. Transtrum and J. P. Sethna, arXiv:1201.5885 (2012) (geodesic acceleration,
-//! here with the whole step as the difference).
+//! with the curvature that it revealed: ρ(x + v) − (ρ − J v) is −½ of the model's second derivative along it, and
+//! (JᵀJ + μ D)⁻¹ Jᵀ times that is added to the step. Source: M. K. Transtrum and J. P. Sethna, arXiv:1201.5885 (2012) (geodesic
+//! acceleration, here with the whole step as the difference).
 
 use super::bordered::{Step, System};
 use super::linear::{Failure, Linear, Linearised, Selection, linearise, residuals, total};

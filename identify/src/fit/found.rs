@@ -31,7 +31,7 @@ pub struct Fit {
     pub smoothed: f64,
     /// Number of blocks used.
     pub blocks: usize,
-    /// The linearised problem at the solution, record by record; its columns include the stated numbers.
+    /// The linearised problem at the solution, record by record; its columns include the stated parameters.
     pub linear: Vec<Linear>,
     /// Normal matrix of the rig's free and stated parameters, including priors, with the per-record parameters eliminated.
     pub information: DMatrix<f64>,
@@ -106,7 +106,7 @@ impl Fit {
     }
 
     /// The fitted chamber as a property of the rig: without the per-record effects, whose entries hold the fit's starting values.
-    /// A negative dead volume means that positions are counted from too far away, and is set to zero.
+    /// A negative dead volume means that positions read too high, and is set to zero.
     pub fn chamber_of_rig(&self) -> Chamber {
         let mut chamber = self.chamber();
         chamber.effects = chamber.effects.without(self.hypothesis.model.own);
@@ -199,7 +199,7 @@ impl Fit {
 
     /// The best credible move and the sum of squares that it leaves.
     ///
-    /// The move of the heat capacity ratio costs as much whatever the misfit: the evidence treats the noise level as unknown, so
+    /// A move of the heat capacity ratio costs the same whatever the misfit: the evidence treats the noise level as unknown, so
     /// beside squares far above those of noise a move of many tolerances would count for little.
     ///
     /// The waves of a position sensor are credible up to [`policy::TOLERANCES`]: a larger amplitude has another cause. Over the

@@ -1,8 +1,8 @@
 //! Whether a per-record recording fault really is one: it is not if repeats of a test agree in it better than different tests do.
 //!
 //! A gauge's zero or a trigger's delay does not depend on which test is recorded. If it follows the kind of test (pressure,
-//! stroke, direction), a property of the rig causes it. One-way analysis of variance: with m records of k kinds, F = [Σ nᵢ (x̄ᵢ −
-//! x̄)²/(k − 1)] / [Σ (xᵢⱼ − x̄ᵢ)²/(m − k)], e.g. Montgomery, Design and Analysis of Experiments (2012), 3.3.
+//! stroke, direction), a property of the rig causes it. One-way analysis of variance: with m records of k kinds,
+//! F = [Σ nᵢ (x̄ᵢ − x̄)²/(k − 1)] / [Σ (xᵢⱼ − x̄ᵢ)²/(m − k)], e.g. Montgomery, Design and Analysis of Experiments (2012), 3.3.
 
 use crate::fit::Fit;
 use crate::fit::covariance;

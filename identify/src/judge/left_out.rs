@@ -87,18 +87,19 @@ pub struct HeldOut {
     /// Over all judged rows with equal weight: the reported one, which is compared with the error on the fitted data.
     pub rmse_pa: f64,
     /// The same with each row's square weighted by the noise's fraction of its variance, the rest being due to the positions. The
-    /// unknown course between the few rows of a fast move makes errors that no model removes and that hide its effect elsewhere.
+    /// unknown course between the few rows of a fast move makes errors that no model removes and that hide what a model does
+    /// elsewhere.
     pub weighed_pa: f64,
 }
 
 impl HeldOut {
-    /// Whether its square is smaller than the other's by more than `by_pa`², Pa rms, in one of the two forms.
+    /// Whether, in one of its two forms, its square is smaller than the other's by more than that of `by_pa`, Pa rms.
     pub fn is_less(&self, than: &Self, by_pa: f64) -> bool {
         let by = |ours: f64, theirs: f64| theirs * theirs - ours * ours > by_pa * by_pa;
         by(self.rmse_pa, than.rmse_pa) || by(self.weighed_pa, than.weighed_pa)
     }
 
-    /// Whether its square is larger than the other's by more than `by_pa`², Pa rms, in the weighted form.
+    /// Whether, in the weighted form, its square is larger than the other's by more than that of `by_pa`, Pa rms.
     pub fn is_more(&self, than: &Self, by_pa: f64) -> bool {
         self.weighed_pa.powi(2) - than.weighed_pa.powi(2) > by_pa * by_pa
     }

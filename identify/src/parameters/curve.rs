@@ -17,7 +17,7 @@ const BEND: f64 = 0.04;
 /// everywhere would only shift λ0 the other way.
 const SHARE_AT_REST: f64 = 0.01;
 
-/// The coordinate of a curve's value at a knot. Its scale, the prior standard deviation, is what would be a lot on this rig; it
+/// The coordinate of a curve's value at a knot, scaled by a large value for this rig, which is its prior standard deviation. That
 /// decides what the records leave open.
 pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> Axis {
     let any = [-1e6, 1e6];
@@ -47,7 +47,7 @@ pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
     }) else {
         return Vec::new();
     };
-    // In coordinates: the size of the curve found by a first fit, or else one (what would be a lot).
+    // In coordinates: the size of the curve found by a first fit, or else one (a large value).
     let sizes = curve.values.iter().zip(&axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
     let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
     let knots = &curve.knots;

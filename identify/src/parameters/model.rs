@@ -55,7 +55,7 @@ impl Model {
         Self { effects, ..Self::PAPER }
     }
 
-    /// Removes some effects, and what is free of them.
+    /// Removes these effects and their free parameters.
     pub fn without(&self, effects: EffectSet) -> Self {
         let without = |set: EffectSet| set.without(effects);
         let [own, secondary] = [self.own, self.secondary].map(without);
@@ -63,7 +63,7 @@ impl Model {
         Self { effects, own, secondary, own_start: self.own_start.min(Self::with(effects).most_of_start()) }
     }
 
-    /// The most that can be free of its records' initial temperatures.
+    /// The most initial temperatures that its records can have free.
     pub fn most_of_start(&self) -> OwnStart {
         if self.effects.has(WallHeating::PLACE) { OwnStart::GasAndWall } else { OwnStart::Gas }
     }

@@ -4,7 +4,7 @@ use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::card::{Parameter, Unit};
 
-/// Smallest maximum speed assumed for a piston, m/s.
+/// Lower limit of a piston's largest speed, m/s.
 const LEAST_SPEED: f64 = 1e-3;
 /// Points at which a move's speed is sampled: they miss its peak by less than a percent, which is good enough for a starting
 /// value.
@@ -68,7 +68,7 @@ impl Sizes {
     pub fn size_of(&self, unit: Unit, typical: f64) -> f64 {
         match unit {
             Unit::One | Unit::OfTable => typical.abs(),
-            // Doubles the coefficient at the largest speed: forced convection goes with its power 0.8.
+            // Doubles the coefficient at the largest speed: forced convection is proportional to its power 0.8.
             Unit::SpeedPower => self.speed.powf(-0.8),
             // The same.
             Unit::SecondPerMetre => 1.0 / self.speed,

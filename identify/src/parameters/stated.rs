@@ -7,7 +7,7 @@ use crate::record::data::Data;
 use chamber::card::Fitted;
 use chamber::effects::CARDS;
 
-/// Standard deviation of the temperature of gas at rest from its surroundings, K, for all records together and for each.
+/// Standard deviation of the difference between gas at rest and its surroundings, K, for all records together and for each.
 pub const REST_DEVIATION_K: f64 = 3.0;
 
 /// The same for a wall warmed or cooled by preceding tests, for each record.
