@@ -197,7 +197,7 @@ impl Compared {
     }
 }
 
-/// Only the per-record parameters are free.
+/// The hypothesis for these records: only per-record parameters are free.
 fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis {
     let chamber = &model.chamber;
     // Growth with time cannot be determined from a record's start, nor a position delay be told from a pressure delay: they are
