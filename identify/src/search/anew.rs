@@ -43,9 +43,9 @@ impl Search {
     }
 
     /// Restarts with the data as the chosen model shows them, whatever round found it: with the uncertainty of moves where the
-    /// records are averages, without its outliers, and with its noise where it has found when each record was read, or leaves far
-    /// less noise. Before, repeats that were read at different times, or that moved differently, differ by more than noise.
-    /// Everything tried is refitted.
+    /// records are averages, without its outliers, and with its noise where it has per-record timings, or leaves far less noise.
+    /// Before, repeats that were read at different times, or that moved differently, differ by more than noise. Everything tried
+    /// is refitted.
     pub(super) fn reweigh(&mut self) {
         let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
         let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
