@@ -75,7 +75,7 @@ impl Search {
         self.try_all([further.into_iter().filter(|model| !model.has_terms_of_records()).collect()])
     }
 
-    /// Tries sets with another effect in place of each of the chosen ones, added to `parts`, the model without it. This is for
+    /// Tries sets with another effect in place of each of the chosen ones, added to `parts`, the models without it. This is for
     /// sets so large that the search, adding one effect after another, has not reached all of that size. Returns whether one
     /// entered.
     fn try_others_in_place(&mut self, parts: &[Candidate]) -> bool {
