@@ -1,4 +1,5 @@
-//! Contradictions: a set that no chamber can have does not enter, and a rig whose records call for one is refused ([`sanity`]).
+//! Contradictions: a set with parameters that no chamber can have does not enter, and a rig whose records call for one is refused
+//! ([`sanity`]).
 
 use super::{Candidate, Found, Search};
 use crate::error::Error;
