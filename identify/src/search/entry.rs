@@ -77,9 +77,9 @@ impl Search {
         lower && is_on && c.delta_bic - over.delta_bic > decisive && can_be()
     }
 
-    /// Whether a set of the rig's effects without all of the chosen ones, which leave noise or less than the accuracy, predicts
-    /// left-out data no worse by more than the accuracy, and has decisively more evidence than the chosen ones with whatever
-    /// further terms, up to its size. Then these imitate its cause: leaving little does not make them the cause.
+    /// Whether a set of the rig's effects that lacks some of the chosen ones, while these leave only noise or less than the
+    /// accuracy, predicts left-out data no worse by more than the accuracy, and has decisively more evidence than all sets with
+    /// the chosen ones up to its size. Then these imitate its cause: leaving little does not make them the cause.
     fn is_another_cause(&self, c: &Candidate, decisive: f64) -> bool {
         let chosen = &self.chosen;
         let has_chosen = |other: &&Candidate| terms::is_part(&chosen.model, &other.model);
