@@ -4,7 +4,7 @@
 //! elsewhere. A search with it names what imitates the fault, or takes the fault for noise. The search is therefore repeated
 //! without the record that stands out, if there is one. The second result counts if it explains the other records and its model
 //! errs in this one by far more than noise. Without a repeat of the record, an effect that is not on the list may show in it
-//! alone: then names improve, and do not explain.
+//! alone: then `explained` becomes `improved`.
 
 use super::{Found, Verdict, in_gas};
 use crate::error::Error;
