@@ -1,7 +1,7 @@
 //! Per-record effects that become one effect of the rig.
 //!
 //! Delays, offsets and drifts that agree between records are a property of the rig, with one value instead of many. A fit that
-//! starts without them need not find it: over a common delay the error has a corner wherever the end of a move passes a row, and
+//! starts without them need not find that: over a common delay the error has a corner wherever the end of a move passes a row, and
 //! a drift beside a leak is first taken up by per-record drifts, which enter the search earlier. The fit therefore starts at the
 //! mean of the per-record values.
 
