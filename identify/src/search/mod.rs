@@ -341,7 +341,7 @@ impl Search {
         distinct(parts)
     }
 
-    /// The best sets of `terms` terms with credible parameters: sets that imitate another term would crowd them out.
+    /// The best sets of `terms` terms with credible parameters: those that imitate another cause would crowd them out.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
         let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_beyond_belief();
         let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
