@@ -34,7 +34,7 @@ impl Search {
     }
 
     /// Whether the chosen names explain a systematic misfit of `before_pa`. With an effect that is only tried beside others, the
-    /// remainder must be noise or next to nothing: such an effect can imitate most of another cause, and leave little.
+    /// remainder must be noise or next to nothing: such an effect can imitate the rest of a cause that it is not.
     pub(super) fn explains(&self, before_pa: f64) -> bool {
         let imitates = self.chosen.model.of_rig().iter().any(|e| CARDS[e].tried == Tried::BesideOthers);
         let left = &self.chosen_adequacy;
