@@ -1,7 +1,7 @@
-//! How far a position sensor's characteristic lies off a straight line, m.
+//! Deviation of a position sensor's characteristic from a straight line, m.
 //!
-//! off(x) = Σ aₖ sin(k π u), where u goes from 0 to 1 over the positions of all records. It is zero at both ends, as the linearity of
-//! a sensor is stated between its end points: zero and scale of the positions are numbers of their own.
+//! off(x) = Σ aₖ sin(k π u), where u goes from 0 to 1 over the positions of all records. It is zero at both ends, since the
+//! linearity of a sensor is stated between its end points: zero and scale of the positions are separate parameters.
 
 use chamber::real::Real;
 use std::f64::consts::PI;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// Number of waves.
 pub const WAVES: usize = 4;
 
-/// A characteristic beside its straight line.
+/// A sensor characteristic relative to its straight line.
 #[derive(Clone, Copy, Debug)]
 pub struct Characteristic<R> {
     /// Lowest and highest position of all records, m.
@@ -19,12 +19,12 @@ pub struct Characteristic<R> {
 }
 
 impl<R: Real> Characteristic<R> {
-    /// A straight one.
+    /// A straight characteristic.
     pub fn straight(extent_m: [f64; 2]) -> Self {
         Self { extent_m, amplitudes_m: [R::ZERO; WAVES] }
     }
 
-    /// By how much a position is larger than recorded, m, and how fast that changes from metre to metre.
+    /// True minus recorded position, m, and its derivative, m/m.
     pub fn off(&self, position_m: f64) -> [R; 2] {
         let [low, high] = self.extent_m;
         let per_metre = PI / (high - low);

@@ -1,4 +1,4 @@
-//! What can be wrong with measured data, each with the number that gives it away.
+//! Faults of measured data, each with the number that reveals it.
 
 use crate::record::unit::Doubt;
 use std::path::PathBuf;
@@ -37,10 +37,10 @@ pub enum Error {
         trace: PathBuf,
         /// Median of its pressures, Pa.
         median_pa: f64,
-        /// Units that would make one of compressed air of it.
+        /// Units in which it would be that of compressed air.
         units: Vec<&'static str>,
     },
-    /// Positions that no cylinder of that bore has.
+    /// Positions that no cylinder of this bore has.
     #[error("{}: positions reach {} m, {:.0} times the bore of {} mm, and a cylinder's stroke ends at a hundred bores; check the unit of the position column{} and the bore; for a rodless cylinder as long as that say stroke_m in [cylinder]",
         trace.display(), report::digits(*reach_m, 3), reach_m / bore_m, report::digits(1e3 * bore_m, 3), likely(units).unwrap_or_else(|| " (m, mm, cm, in)".to_owned()))]
     ImplausibleStroke {
@@ -50,22 +50,22 @@ pub enum Error {
         reach_m: f64,
         /// Bore of the cylinder, m.
         bore_m: f64,
-        /// Units that would make a usual stroke of it.
+        /// Units in which the stroke would be a usual one.
         units: Vec<&'static str>,
     },
     /// Absolute pressures in another unit than declared.
     #[error("{}; if the unit is right, say scale = 1.0 in that column, and its values are taken as they are", doubt.sentence())]
     OtherPressureUnit {
-        /// What speaks for it.
+        /// The evidence for it.
         doubt: Doubt,
     },
     /// A heat transfer coefficient that no gas in a cylinder has.
     #[error("the records ask for lambda0 = {} W/(m2 K), and a gas in a cylinder has 1 to 1000; check the unit of the time column (the pressure relaxes over {} s), the bore, and whether pressure or position is recorded late",
         report::digits(*coefficient, 3), report::digits(*time_constant_s, 3))]
     ImplausibleCoefficient {
-        /// λ0 of the model that describes them best, W/(m² K).
+        /// λ0 of the best-fitting model, W/(m² K).
         coefficient: f64,
-        /// The time constant that goes with it, s.
+        /// Its time constant, s.
         time_constant_s: f64,
     },
     /// The chamber was opened within a record.
@@ -89,10 +89,10 @@ pub enum Error {
         trace: PathBuf,
         /// Extent of the position, m.
         range_m: f64,
-        /// Its noise, m.
+        /// Noise of the position, m.
         noise_m: f64,
     },
-    /// The pressure does not answer the move.
+    /// The pressure does not respond to the move.
     #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, its unit right{}, the chamber closed, the sensor alive?",
         trace.display(), stroke_m * 1e3, likely(units).unwrap_or_default())]
     ConstantPressure {
@@ -102,7 +102,7 @@ pub enum Error {
         range_pa: f64,
         /// Extent of the position, m.
         stroke_m: f64,
-        /// Units in which it would answer.
+        /// Units in which it would respond.
         units: Vec<&'static str>,
     },
     /// The sensor is at the end of its range.
@@ -126,11 +126,11 @@ pub enum Error {
         100.0 * share_left
     )]
     GaugeUnit {
-        /// The unit that the records ask for.
+        /// The unit that fits the records.
         unit: &'static str,
         /// The declared one.
         declared: &'static str,
-        /// Misfit beyond noise with that unit, of that without.
+        /// Misfit beyond noise with that unit, as a fraction of that with the declared one.
         share_left: f64,
     },
     /// Gauge pressure taken for absolute.
@@ -138,7 +138,7 @@ pub enum Error {
         "the pressures seem to be gauge, not absolute: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be added to every reading, and the ambient pressure is {ambient_pa:.0} Pa; say `reference = \"gauge\"` for the pressure column"
     )]
     Gauge {
-        /// Offset that the traces ask for, Pa.
+        /// Offset that fits the traces, Pa.
         offset_pa: f64,
         /// Half its 95 % interval, Pa.
         half_width_pa: f64,
@@ -150,7 +150,7 @@ pub enum Error {
         "the pressures seem to be absolute, not gauge: the traces ask for {offset_pa:.0} Pa (± {half_width_pa:.0}) to be taken from every reading, and {ambient_pa:.0} Pa of ambient pressure have been added; say `reference = \"absolute\"` for the pressure column"
     )]
     NotGauge {
-        /// What the traces ask to be taken from every reading, Pa.
+        /// Pressure to be subtracted from every reading to fit the traces, Pa.
         offset_pa: f64,
         /// Half its 95 % interval, Pa.
         half_width_pa: f64,
@@ -161,7 +161,7 @@ pub enum Error {
     #[error("the geometry contradicts the pressures: they ask for a dead volume of {:.3} cm3 (± {:.3}), {:.0} % of the smallest swept volume below zero; check bore, rod, the position's offset and sign, and the unit of gauge pressures",
         dead_volume_m3 * 1e6, half_width_m3 * 1e6, -100.0 * dead_volume_m3 / swept_m3)]
     NegativeDeadVolume {
-        /// Dead volume that fits, m³.
+        /// Best-fitting dead volume, m³.
         dead_volume_m3: f64,
         /// Half its 95 % interval, m³.
         half_width_m3: f64,
@@ -174,7 +174,7 @@ pub enum Error {
     NoVolume {
         /// File of the trace.
         trace: PathBuf,
-        /// When, s.
+        /// Time, s.
         at_s: f64,
         /// Position there, m.
         position_m: f64,
@@ -188,12 +188,12 @@ pub enum Error {
         /// Their correlation.
         correlation: f64,
     },
-    /// The model cannot be integrated at the start values.
+    /// The model cannot be integrated at the starting values.
     #[error("{}: the model cannot follow the record: {source}", trace.display())]
     Simulation {
         /// File of the trace.
         trace: PathBuf,
-        /// Why.
+        /// Cause.
         source: chamber::integrate::IntegrationError,
     },
     /// Records that end with their first move.
@@ -202,15 +202,15 @@ pub enum Error {
         /// The rig file.
         rig: PathBuf,
     },
-    /// Records none of which the paper's steps can evaluate.
+    /// No record can be evaluated by the paper's steps.
     #[error("no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold")]
     NoPushAndHold {
-        /// The first of them and why, in brackets behind a blank; or nothing.
+        /// The first of them and the reason, in brackets after a space; or empty.
         first: String,
     },
 }
 
-/// Units that are worth a look, in brackets.
+/// Units worth checking, in brackets.
 fn likely(units: &[&str]) -> Option<String> {
     (!units.is_empty()).then(|| format!(" (is it in {}?)", units.join(" or ")))
 }

@@ -1,9 +1,9 @@
-//! The model's pressure along one record: the gas by adaptive integration, the sensor's chain behind it in closed form.
+//! The model's pressure along one record: the gas by adaptive integration, the sensor chain after it in closed form.
 //!
-//! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::record::stroke`],
-//! the energy is referred to the first volume (`isentrope`), only pressures are computed, at the times asked for, and a
-//! sensor lag costs no integration steps ([`chamber::effects::sensor_lag::follow`]). Written over the number type, so that dual
-//! numbers give exact sensitivities.
+//! The same equations as [`chamber::simulate`], arranged for fits: the stroke is the smooth one of [`crate::record::stroke`], the
+//! energy is referred to the first volume (`isentrope`), only pressures at the requested times are computed, and a sensor lag
+//! costs no integration steps ([`chamber::effects::sensor_lag::follow`]). Generic over the number type, so that dual numbers give
+//! exact sensitivities.
 
 use crate::characteristic::Characteristic;
 use crate::isentrope::Isentrope;
@@ -20,23 +20,23 @@ use chamber::record::{self, Inputs, Mesh, Readings};
 use chamber::simulate::{Start, tolerance};
 use std::cell::Cell;
 
-/// By how much surroundings and stroke differ from what is recorded or stated.
+/// Deviations of ambient temperature and stroke from their recorded or stated values.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction<R> {
-    /// How much warmer the surroundings are, K.
+    /// Temperature of the surroundings minus the recorded one, K.
     pub warmer: R,
-    /// How much warmer than they a wall that warms begins, K.
+    /// Initial temperature of a wall that warms minus that of the surroundings, K.
     pub wall_warmer: R,
-    /// Positions, and speeds, over the recorded ones.
+    /// Factor on recorded positions and speeds.
     pub position_times: R,
-    /// How far positions lie off that straight line, if at all.
+    /// Deviation of positions from a straight line, if any.
     pub characteristic: Option<Characteristic<R>>,
-    /// Temperature of the gas behind each gap of the record, over that which the stroke taken for it leads to.
+    /// Gas temperature behind each gap of the record, relative to that which the stroke assumed in it leads to.
     pub behind_gaps: [R; gaps::MOST],
 }
 
 impl<R: Real> Correction<R> {
-    /// All is as recorded.
+    /// Everything as recorded.
     pub const NONE: Self = Self {
         warmer: R::ZERO,
         wall_warmer: R::ZERO,
@@ -46,25 +46,25 @@ impl<R: Real> Correction<R> {
     };
 }
 
-/// Rows of a recorded mass flow that a step may cover: it changes from row to row.
+/// Maximum rows of a recorded mass flow in one step: the flow changes from row to row.
 const ROWS_OF_FLOW: f64 = 8.0;
 
-/// A course on the way, its stroke the true one: with the places of its splines that were asked last.
+/// A course being followed, with its true stroke and the last positions in its splines.
 struct Passing<'a, R> {
     course: &'a Course,
     chamber: &'a Chamber<R>,
     set: EffectSet,
     stroke: TrueStroke<'a>,
-    /// The window that the stroke was recorded over and the time constant of the low-pass that it has passed, s, less their values,
-    /// which the stroke is for: zero but for their derivatives.
+    /// Averaging window and low-pass time constant with which the stroke was recorded, s, minus the values for which `stroke` was
+    /// set up: zero except for their derivatives.
     changes: [R; 2],
     correction: Correction<R>,
     near_flow: Cell<usize>,
-    /// The stretch and time, s, that were asked for last, and the stroke there: the last two stages of a step ask for the same.
+    /// The last requested stretch and time, s, and the stroke there: the last two stages of a step request the same.
     last: Cell<Option<(usize, f64, Moment)>>,
     /// The longest step along the recorded mass flow, s.
     longest_of_flow: f64,
-    /// Stretches that end a gap.
+    /// Stretches that end with a gap.
     gaps: Vec<usize>,
 }
 
@@ -154,7 +154,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
         }
     }
 
-    /// Behind a gap the gas is as warm as its record asks for, by heat out of the wall.
+    /// Behind a gap, brings the gas to the temperature that is a parameter of the record, by heat from the wall.
     fn behind<const N: usize>(&self, stretch: usize, state: &mut [R; N]) {
         let Some(gap) = self.gaps.iter().position(|gap| *gap == stretch) else { return };
         let balance = Balances::of(*self.chamber);
@@ -173,14 +173,14 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     }
 }
 
-/// A further disturbance of the gas, in the integration's number type: what a residual may be the trace of.
+/// A further disturbance of the gas, in the integration's number type: a possible cause of a residual.
 pub trait Disturbance<R> {
-    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s; `None`
+    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that change, m³/s; `None`
     /// where there is nothing to add.
     fn at(&self, time: f64) -> Option<[R; 4]>;
 }
 
-/// None.
+/// No disturbance.
 #[derive(Clone, Copy, Debug)]
 pub struct Undisturbed;
 
@@ -191,10 +191,10 @@ impl<R: Scalar> Disturbance<R> for Undisturbed {
     }
 }
 
-/// Evaluations of the balances before a trial of a fit is given up as too stiff: so many, and so many for each row.
+/// Evaluations of the balances after which a trial of a fit is given up as too stiff: a constant, and a number per row.
 const MOST_EVALUATIONS: (usize, usize) = (10_000, 15);
 
-/// The same for each step of a mesh that is taken again: numbers with which the model is that much stiffer lie too far away.
+/// The same per step of a reused mesh: parameters that make the model this much stiffer are too far away.
 const MOST_BY_MESH: usize = 60;
 
 /// One run of the model along a record.
@@ -202,11 +202,11 @@ const MOST_BY_MESH: usize = 60;
 pub struct Run<'a, R> {
     /// Gas, geometry, heat transfer and effects' parameters.
     pub chamber: &'a Chamber<R>,
-    /// The effects that take part.
+    /// The effects included.
     pub set: EffectSet,
-    /// How it begins.
+    /// Initial state.
     pub start: Start<R>,
-    /// By how much surroundings and stroke differ from the course.
+    /// Deviations of ambient temperature and stroke from the course.
     pub correction: Correction<R>,
     /// Stroke and surroundings.
     pub course: &'a Course,
@@ -215,26 +215,26 @@ pub struct Run<'a, R> {
 }
 
 impl<R: Scalar> Run<'_, R> {
-    /// What the sensor shows, Pa, at `times` (ascending, s).
+    /// Pressure shown by the sensor, Pa, at `times` (ascending, s).
     ///
     /// # Errors
-    /// Where the state leaves what the equations can follow.
+    /// Where the state leaves the range of the equations.
     pub fn pressures(&self, times: &[f64]) -> Result<Vec<R>, IntegrationError> {
         Ok(self.pressures_along(times, &Mesh::default())?.0)
     }
 
-    /// The same by the steps of `mesh`, as far as it goes; with the steps taken.
+    /// The same with the steps of `mesh`, as far as it goes; also returns the steps taken.
     ///
     /// # Errors
-    /// Where the state leaves what the equations can follow.
+    /// Where the state leaves the range of the equations.
     pub fn pressures_along(&self, times: &[f64], mesh: &Mesh) -> Result<(Vec<R>, Mesh), IntegrationError> {
         self.along(times, mesh, &Undisturbed, &mut |_, _| ())
     }
 
-    /// The same with a disturbance of the gas; `on_step` is told the time, s, and the mass of gas, kg, after each step.
+    /// The same with a disturbance of the gas; `on_step` receives the time, s, and the mass of gas, kg, after each step.
     ///
     /// # Errors
-    /// Where the state leaves what the equations can follow.
+    /// Where the state leaves the range of the equations.
     pub fn disturbed(
         &self,
         times: &[f64],
@@ -264,7 +264,7 @@ impl<R: Scalar> Run<'_, R> {
         }
     }
 
-    /// The same in the first `N` states.
+    /// The same with the first `N` states.
     fn in_states<const N: usize>(
         &self,
         balances: impl OfGas<R, N>,
@@ -305,7 +305,7 @@ impl<R: Scalar> Run<'_, R> {
             let disturbance = disturbance.at(t);
             instructions.rates(Moving { balances, set: gas_set, balance, isentrope, boundary, state, disturbance })
         };
-        // A stroke that was recorded late, beside the pressure, is followed a little beyond the last row.
+        // A stroke recorded late, relative to the pressure, is followed slightly beyond the last row.
         let late = chamber.effects.stroke_delay(set) - chamber.effects.delay(set);
         let last = last + late.value().max(0.0);
         let taken = record::follow(inputs, &mut integrator, last, mesh, rates, |stretch, until, step| {
@@ -316,21 +316,21 @@ impl<R: Scalar> Run<'_, R> {
     }
 }
 
-/// The sensor behind the gas: its lag in closed form, delay and drift as every record has them.
+/// The sensor after the gas: its lag in closed form, delay and drift as for every record.
 struct Sensor<'a, R> {
     balance: &'a Balances<R>,
     isentrope: &'a Isentrope,
     set: EffectSet,
     inputs: &'a Passing<'a, R>,
     lag: Option<R>,
-    /// What the lag shows; not known yet of a record that begins in motion.
+    /// Output of the lag; unknown at first for a record that begins in motion.
     lagged: Option<R>,
     readings: Readings<'a, R>,
 }
 
 impl<'a, R: Scalar> Sensor<'a, R> {
-    /// Before the record the chamber is at rest at its first pressure, or goes on as it moves at the record's start, so that a lag
-    /// has followed it for a long time.
+    /// Before the record the chamber is at rest at its first pressure, or moves as at the record's start, so that a lag has
+    /// followed it for a long time.
     fn new(
         balance: &'a Balances<R>,
         isentrope: &'a Isentrope,
@@ -384,7 +384,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
             let rise = at_end - at_begin;
             let bow = middle - at_begin;
             let parabola = [at_begin, (bow * 4.0 - rise) * (1.0 / h), (rise - bow * 2.0) * (2.0 / (h * h))];
-            // Behind a pressure that has always gone on so fast.
+            // The lag behind a pressure that has always changed at this rate.
             let lagged = self.lagged.unwrap_or_else(|| at_begin - constant * parabola[1]);
             let after = |elapsed: R| sensor_lag::follow(constant, lagged, parabola, elapsed);
             self.readings.take(if piece + 1 == PIECES { reach } else { end }, |t| shown(after(t - begin)));
@@ -394,7 +394,7 @@ impl<'a, R: Scalar> Sensor<'a, R> {
     }
 }
 
-/// A pressure that the rest of the sensor's chain sees, without own states.
+/// A pressure as input of the rest of the sensor chain, without own states.
 fn shown<R: Scalar>(pressure: R) -> (R, [R; OWN_STATES]) {
     (pressure, [R::ZERO; OWN_STATES])
 }
@@ -411,13 +411,13 @@ mod tests {
         Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5))
     }
 
-    /// Position, m, in a push with a gentle begin and end, at a share of its duration.
+    /// Position, m, in a push with a gentle start and end, at a fraction of its duration.
     fn push(share: f64) -> f64 {
         let u = share.clamp(0.0, 1.0);
         0.1 - 0.05 * (u * u * u * (10.0 - 15.0 * u + 6.0 * u * u))
     }
 
-    /// So many rows at 100 Hz of a position, m, over time, s.
+    /// `rows` rows at 100 Hz of a position, m, over time, s.
     fn recorded(rows: u32, mut position: impl FnMut(f64) -> f64) -> (Vec<f64>, Course) {
         let (times, positions): (Vec<f64>, Vec<f64>) =
             (0..rows).map(|i| f64::from(i) * 0.01).map(|t| (t, position(t))).unzip();
@@ -430,7 +430,8 @@ mod tests {
         (times, course)
     }
 
-    /// How far pressures by the first tolerance are off those by the second at the most, relative to them, and the first one's steps.
+    /// Largest relative deviation of the pressures with the first tolerance from those with the second, and the number of steps
+    /// with the first.
     fn coarse_from_fine(
         chamber: &Chamber,
         set: EffectSet,
@@ -452,7 +453,7 @@ mod tests {
         let chamber = chamber();
         let mut random = crate::synthetic::Random::new(11);
         for number in 0..60 {
-            // A push of few rows among those of rest that widen it, at another place in them each time.
+            // A push of few rows, widened by rows of rest beside it, each time at another phase of the rows.
             let (begin, duration) = (3.0 + 0.0021 * f64::from(number), 0.02 + 0.01 * f64::from(number % 4));
             let (times, course) = recorded(600, |t| push((t - begin) / duration) + 2e-6 * random.normal());
             let (off, _) = coarse_from_fine(&chamber, EffectSet::NONE, &times, &course, [3e-7, 1e-11]);
@@ -462,7 +463,7 @@ mod tests {
 
     #[test]
     fn steps_along_a_stroke_recorded_as_an_average_keep_their_tolerance() {
-        // Pushes with a gentle begin and end and at constant speed, with and without a low-pass behind the average.
+        // Pushes with a gentle start and end and at constant speed, with and without a low-pass after the average.
         let ramp = |share: f64| 0.1 - 0.05 * share.clamp(0.0, 1.0);
         for (position, duration) in [(push as fn(f64) -> f64, 0.2), (push, 0.8), (ramp, 0.3)] {
             let (times, course) = recorded(400, |t| position((t - 0.5) / duration));
@@ -483,7 +484,7 @@ mod tests {
     #[test]
     fn a_long_hold_takes_few_steps_however_fast_the_gas_meets_what_it_exchanges_heat_with() {
         let (times, course) = recorded(6000, |t| push((t - 0.5) / 0.2));
-        // Steps of an explicit method would have to be shorter than 0.08, 0.01 and 0.07 s.
+        // An explicit method would need steps shorter than 0.08, 0.01 and 0.07 s.
         for (name, values) in
             [("wall_conduction", vec![1e-3]), ("gas_zones", vec![0.2, 0.5]), ("decaying_turbulence", vec![2.0, 0.02])]
         {
@@ -509,7 +510,7 @@ mod tests {
         let (times, course) = recorded(600, swing);
         let gas = along(&chamber, EffectSet::NONE, start, &times, &course);
         let whole = along(&chamber, EffectSet::one(lag), start, &times, &course);
-        // The same from its 130th row on.
+        // The same starting at its 130th row.
         const LATER: usize = 130;
         let (times, course) = recorded(470, |t| swing(t + 0.01 * LATER as f64));
         assert!(!course.motion.starts_at_rest());

@@ -1,10 +1,10 @@
-//! The internal energy of the gas at the volume it had at the start: what it would be if the piston went back there without
-//! heat and flows.
+//! Internal energy of the gas referred to its initial volume: what it would be if the piston returned there without heat transfer
+//! and flows.
 //!
 //! W = U (V/V0)^(γ−1),  dW/dt = (V/V0)^(γ−1) (dU/dt + (γ − 1) U/V dV/dt)
-//! W, U  J  V, V0  m³. The piston's work −P dV/dt = −(γ − 1) U/V dV/dt of the energy balance drops out: W does not see the
-//! piston's velocity, which the noise of recorded positions shakes from row to row, and changes with heat and flows alone. An
-//! integrator takes longer steps on it and cannot pass over what the stroke does between its stages.
+//! W, U in J, V, V0 in m³. The piston's work −P dV/dt = −(γ − 1) U/V dV/dt drops out of the energy balance: W does not depend on the
+//! piston's velocity, which the noise of recorded positions shakes from row to row, but on heat and flows alone. An integrator
+//! takes longer steps on it and cannot miss what the stroke does between its stages.
 
 use chamber::balance::{Balances, Boundary};
 use chamber::real::Scalar;
@@ -17,12 +17,12 @@ pub struct Isentrope {
     per_volume: f64,
     /// γ − 1.
     exponent: f64,
-    /// The volume, m³, that was asked for last, its W/U and ln V/V0: a piston at rest asks for the same again and again.
+    /// Last volume, m³, with its W/U and ln V/V0: a piston at rest asks for the same one repeatedly.
     last: Cell<[f64; 3]>,
 }
 
 impl Isentrope {
-    /// Through the volume, m³, that the chamber has at that boundary.
+    /// Takes the chamber's volume at that boundary as reference.
     pub fn through<R: Scalar>(balance: &Balances<R>, boundary: &Boundary<R>) -> Self {
         let volume = balance.chamber.geometry.volume(boundary.position).value();
         Self { per_volume: 1.0 / volume, exponent: balance.expansion.value(), last: Cell::new([volume, 1.0, 0.0]) }
@@ -38,11 +38,11 @@ impl Isentrope {
             factor = (self.exponent * logarithm).exp();
             self.last.set([here, factor, logarithm]);
         }
-        // The differences are zero but for their derivatives.
+        // The differences are zero except for their derivatives.
         (volume - here) * (factor * self.exponent / here) + (expansion - self.exponent) * (factor * logarithm) + factor
     }
 
-    /// At a boundary.
+    /// Relation of W and U at a boundary.
     #[inline(always)]
     pub fn at<R: Scalar>(&self, balance: &Balances<R>, boundary: &Boundary<R>) -> Referred<R> {
         let geometry = &balance.chamber.geometry;
@@ -52,7 +52,7 @@ impl Isentrope {
     }
 }
 
-/// What W and U have to do with each other at one moment.
+/// Relation of W and U at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Referred<R> {
     /// W/U.
@@ -62,19 +62,19 @@ pub struct Referred<R> {
 }
 
 impl<R: Scalar> Referred<R> {
-    /// W, J, of U.
+    /// W, J, from U.
     #[inline(always)]
     pub fn referred(&self, energy: R) -> R {
         self.factor * energy
     }
 
-    /// U, J, of W.
+    /// U, J, from W.
     #[inline(always)]
     pub fn energy(&self, referred: R) -> R {
         referred / self.factor
     }
 
-    /// dW/dt, W, of U and its rate.
+    /// dW/dt, W, from U and its rate.
     #[inline(always)]
     pub fn rate(&self, energy: R, rate: R) -> R {
         self.factor * (rate + self.compression * energy)

@@ -1,4 +1,4 @@
-//! The rates of the gas's states at one moment: what an integration along a record asks for most often.
+//! Rates of the gas's states at one moment: the most frequent call in an integration along a record.
 
 use crate::isentrope::Isentrope;
 use chamber::balance::{Balances, Boundary, ENERGY, MASS, OWN, Tight};
@@ -7,13 +7,13 @@ use chamber::real::Scalar;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::V3;
 
-/// The balances of a kind of gas, for the first `N` states.
+/// Balances of a kind of gas, for the first `N` states.
 pub trait OfGas<R, const N: usize>: Copy {
     /// Rates of these states, per second.
     fn rates(self, set: EffectSet, balance: &Balances<R>, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
 }
 
-/// Of any gas, with the effects' first `M` own states.
+/// Any gas, with the effects' first `M` own states.
 #[derive(Clone, Copy)]
 pub struct OfAnyGas<const M: usize>;
 
@@ -24,15 +24,15 @@ impl<R: Scalar, const N: usize, const M: usize> OfGas<R, N> for OfAnyGas<M> {
     }
 }
 
-/// Own states of a warming wall and of decaying turbulence, the first of all: those that tight gas has most often.
+/// Number of own states of a warming wall and of decaying turbulence, the first of all: those that tight gas has most often.
 pub const OF_WALL_AND_TURBULENCE: usize = 2;
 
-/// Of gas that no effect and no flow lets in or out, with the effects' first `M` own states: a fraction of the work.
+/// Gas of constant mass: no effect and no flow lets it in or out; with the effects' first `M` own states. A fraction of the work.
 #[derive(Clone, Copy)]
 pub struct OfTightGas<const M: usize>;
 
 impl<const M: usize> OfTightGas<M> {
-    /// Whether gas with the effects in `set` is such gas, where the record has no flow.
+    /// Whether gas with the effects in `set` is of this kind, in a record without flow.
     pub fn suits(set: EffectSet) -> bool {
         let of_gas = set.without(effects::of_sensor()).without(effects::of_recorded_stroke());
         effects::KEEP_THE_MASS.contains(of_gas) && effects::own_states_of(of_gas) <= M
@@ -54,21 +54,22 @@ impl<R: Scalar, const N: usize, const M: usize> OfGas<R, N> for OfTightGas<M> {
     }
 }
 
-/// The balances at one moment.
+/// Inputs of the balances at one moment.
 pub struct Moving<'a, R, B, const N: usize> {
-    /// Of which gas.
+    /// Kind of gas.
     pub balances: B,
     /// Effects of the gas and its wall.
     pub set: EffectSet,
-    /// Of the chamber at its coordinates of the fit.
+    /// Balances of the chamber at the coordinates of the fit.
     pub balance: &'a Balances<R>,
-    /// What the energy is referred to.
+    /// Reference of the energy.
     pub isentrope: &'a Isentrope,
-    /// What is imposed.
+    /// Imposed boundary conditions.
     pub boundary: &'a Boundary<R>,
     /// Mass, kg, energy referred to the first volume, J, and the effects' own states.
     pub state: &'a [R; N],
-    /// Mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that, m³/s, if it is disturbed.
+    /// Disturbance, if any: mass flow into the gas, kg/s, heat flow into it, W, change of its volume, m³, and the rate of that
+    /// change, m³/s.
     pub disturbance: Option<[R; 4]>,
 }
 
@@ -100,8 +101,8 @@ impl<R: Scalar, B: OfGas<R, N>, const N: usize> Moving<'_, R, B, N> {
     }
 }
 
-/// Instructions that derivatives, four at a time, are computed with: AVX2 where the processor has it. Wider ones gain little, as
-/// there are few derivatives, and would take as much code again.
+/// Instruction set for derivatives, four at a time: AVX2 where the processor has it. Wider ones gain little, as there are few
+/// derivatives, and would need as much code again.
 #[derive(Clone, Copy)]
 pub struct Instructions {
     #[cfg(target_arch = "x86_64")]
@@ -109,7 +110,7 @@ pub struct Instructions {
 }
 
 impl Instructions {
-    /// Those of this processor.
+    /// Detects those of this processor.
     pub fn new() -> Self {
         Self {
             #[cfg(target_arch = "x86_64")]
@@ -117,14 +118,14 @@ impl Instructions {
         }
     }
 
-    /// Rates of the states by the balances at a moment: see [`Moving`].
+    /// Rates of the states at a moment: see [`Moving`].
     #[inline(always)]
     pub fn rates<R: Scalar, B: OfGas<R, N>, const N: usize>(self, moving: Moving<'_, R, B, N>) -> [R; N] {
         #[cfg(target_arch = "x86_64")]
         if R::DERIVATIVES > 0
             && let Some(wide) = self.wide
         {
-            // They come with the function that the closure is inlined into.
+            // The instructions apply to the function into which the closure is inlined.
             return wide.vectorize(
                 #[inline(always)]
                 || moving.rates(),
@@ -141,7 +142,7 @@ mod tests {
     use chamber::effects::{CARDS, FEW_OWN_STATES, find};
     use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 
-    /// Rates of tight gas and of any gas with these effects at their typical values: all states that the first has.
+    /// Rates of tight gas and of any gas with these effects at their typical values, for all states of the former.
     fn tight_and_any<const N: usize, const M: usize>(names: &[&str]) -> [[f64; N]; 2] {
         let geometry = Geometry::new(0.02, 0.0, 1.57e-6, AreaLaw::Total);
         let mut chamber = Chamber::new(Gas::AIR, geometry, HeatTransfer::at_paper_reference(26.5));

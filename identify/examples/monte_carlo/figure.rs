@@ -2,7 +2,7 @@
 
 use report::{Axis, Chart, Colour, Error, Mark, Series, chart};
 
-/// Strength, share detected, share named (alone or among those that the data cannot tell apart).
+/// Strength, fraction detected, fraction named (alone or among those that the data cannot tell apart).
 pub type Curve = Vec<(f64, f64, f64)>;
 
 const WEAKEST: f64 = 0.01;

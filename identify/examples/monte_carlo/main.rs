@@ -1,8 +1,9 @@
 //! How often a diagnosis is right, on synthetic rigs whose truth is known.
 //!
-//! From the project's root, one line a set appended to a file, then the tables and the figure from all such files:
+//! From the project's root, one line per set appended to a file, then the tables and the figure from all such files:
 //! `cargo run --release -p pneutherm-identify --example monte_carlo -- run clean 0 1000 results/diagnosis_sets.csv`
-//! (likewise `effects`, `pairs`, `many`, `outside`, `intervals`), `… -- report results/diagnosis_sets.csv`; `… -- show effects 17` tells all of one.
+//! (likewise `effects`, `pairs`, `many`, `outside`, `intervals`), `… -- report results/diagnosis_sets.csv`;
+//! `… -- show effects 17` prints all details of one.
 
 mod figure;
 mod page;
@@ -61,7 +62,7 @@ fn run(study: &str, from: u64, to: u64, file: &str) -> Result<(), Box<dyn std::e
     Ok(())
 }
 
-/// A set's line.
+/// Diagnoses a set and returns its line.
 fn diagnosed(study: &str, index: u64) -> Option<String> {
     let set = sets::set(study, index)?;
     let begun = Instant::now();
@@ -84,7 +85,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     let seconds = begun.elapsed().as_secs_f64();
     let found = names(t.chosen.model.of_rig()).join("+");
     let reported = t.reported();
-    // Intervals are judged where the model is the true one.
+    // Intervals are judged only where the model is the true one.
     let is_true =
         t.verdict == Verdict::Adequate && set.truth == "none" || t.verdict == Verdict::Explained && found == set.truth;
     let deviations = if is_true { deviations(set, &data, &reported.fit) } else { String::new() };
@@ -119,7 +120,7 @@ fn line(set: &sets::Set, data: Data, t: Found, begun: Instant) -> String {
     )
 }
 
-/// The same where the true model is fitted, to the data as it shows them.
+/// The same with the true model fitted, to the data with the outliers and noise that this fit shows.
 fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identify::Error> {
     let (data, paper) = baseline::fitted(Data::prepare(&set.recipe.rig())?)?;
     let sizes = Sizes::of(&data, &paper.chamber());
@@ -134,10 +135,10 @@ fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identif
     Ok(format!("{verdict},,,,,,,,,{rows},{:.2},{deviations},,,", begun.elapsed().as_secs_f64()))
 }
 
-/// How far each number of a fit is off, in standard deviations of its interval.
+/// Errors of a fit's parameters, in standard deviations of their intervals.
 fn deviations(set: &sets::Set, data: &Data, fit: &Fit) -> String {
     let h = &fit.hypothesis;
-    // As the zero of the position was recorded the true dead volume may be below zero, and is reported as zero then.
+    // With the position zero as recorded the true dead volume may be negative, and is then reported as zero.
     let mut truth = set.recipe.chamber_as_recorded();
     truth.geometry.dead_volume = truth.geometry.dead_volume.max(0.0);
     let truth = h.coordinates(&truth);
@@ -191,7 +192,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     }
     println!("chosen:");
     worst(&data, &t.chosen.fit);
-    // The truth itself, each trace with the start that suits it.
+    // The truth itself, with the best-fitting start of each trace.
     let mut h = t.baseline.fit.hypothesis.clone();
     (h.model.effects, h.base) = (set.recipe.chamber.active(), set.recipe.chamber);
     h.axes.clear();
@@ -211,7 +212,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     Ok(())
 }
 
-/// Where a fit's residual lies.
+/// Prints the largest residuals of a fit and where they lie.
 fn worst(data: &Data, fit: &Fit) {
     let of_trace = |(t, l): (&Prepared, &Linear)| -> Vec<(f64, String)> {
         let at = |block: &Block| {

@@ -22,14 +22,14 @@ struct Line {
     seconds: f64,
     deviations: Vec<(String, f64)>,
     probabilities: Vec<(String, f64)>,
-    /// Error on left-out data over the noise.
+    /// Error on left-out data, relative to the noise.
     left_out: f64,
-    /// What each effect leaves beside the others, over the noise.
+    /// What each effect leaves beside the others, relative to the noise.
     shows: Vec<(String, f64)>,
 }
 
 impl Line {
-    /// In whatever order the file has the two halves of a pair.
+    /// Whether the true effects are named, in any order.
     fn is_named(&self) -> bool {
         let parts = |s: &str| {
             let mut parts: Vec<String> = s.split('+').map(str::to_owned).collect();
@@ -44,18 +44,18 @@ impl Line {
         self.alike.split('&').map(|group| group.split('|').collect()).collect()
     }
 
-    /// Named something else, but with the truth among what the data cannot tell apart from it.
+    /// Whether something else is named, with the truth among what the data cannot tell apart from it.
     fn is_alike(&self) -> bool {
         self.verdict == "explained" && !self.is_named() && self.truth.split('+').all(|effect| self.has(effect))
     }
 
-    /// Whether an effect was named, or stands in a group that the data cannot tell apart.
+    /// Whether an effect is named, or belongs to a group that the data cannot tell apart.
     fn has(&self, effect: &str) -> bool {
         let alike = self.groups().into_iter().flatten();
         self.verdict == "explained" && self.named.split('+').chain(alike).any(|name| name == effect)
     }
 
-    /// Whether all that it names is there and all that shows is named, or in a group with what was.
+    /// Whether every named effect is present and every visible one is named, or in a group with one that is.
     fn is_named_as_far_as_it_shows(&self) -> bool {
         let is_true = |name: &str| self.truth.split('+').any(|e| e == name);
         let groups = self.groups();
@@ -101,7 +101,7 @@ fn percent(n: usize, of: usize) -> String {
     if of == 0 { "–".to_owned() } else { format!("{:.1} %", 100.0 * n as f64 / of as f64) }
 }
 
-/// Writes the page and the figure.
+/// Writes the page and the figures.
 pub fn write(files: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
     let lines = read(files)?;
     let of = |study: &str| -> Vec<Line> { lines.iter().filter(|l| l.study == study).cloned().collect() };
@@ -157,7 +157,7 @@ fn clean(out: &mut String, lines: &[Line]) {
     out.push('\n');
 }
 
-/// How often intervals hold the truth: with the true model fitted, and over all rigs for which the search has found it.
+/// How often intervals contain the truth: with the true model fitted, and over all rigs for which the search found it.
 fn coverage(out: &mut String, fitted: &[Line], found: &[Line]) {
     out.push_str("## 95 % intervals\n\nHow often they hold the truth; rms: the errors in units of the intervals' own standard deviation (1 is right).\n\n");
     if !fitted.is_empty() {
@@ -255,7 +255,7 @@ fn rates(out: &mut String, lines: &[Line]) -> Vec<(&'static str, figure::Curve)>
     curves
 }
 
-/// What a diagnosis states of the effects of a rig from the list, each with whether the rig has it.
+/// The probabilities stated for the effects of a rig from the list, each with whether the rig has it.
 fn statements(line: &Line) -> Vec<reliability::Statement> {
     if line.study == "outside" {
         return Vec::new();
@@ -311,7 +311,7 @@ fn together(out: &mut String, title: &str, drawn: &str, lines: &[Line]) {
 }
 
 fn outside(out: &mut String, lines: &[Line]) {
-    /// Error on left-out data, in measures of the noise, up to which a model will do.
+    /// Error on left-out data, relative to the noise, up to which a model is good enough.
     const NEARLY_NOISE: f64 = 1.3;
     let _ = write!(
         out,
@@ -341,7 +341,7 @@ fn outside(out: &mut String, lines: &[Line]) {
     list(out, &lines.iter().filter(|l| l.verdict == "explained").collect::<Vec<_>>());
 }
 
-/// Those with a wrong name, all of them.
+/// Lists all sets with a wrong name.
 fn list(out: &mut String, wrong: &[&Line]) {
     for l in wrong {
         let alike = if l.alike.is_empty() { String::new() } else { format!(" (not told apart: {})", l.alike) };

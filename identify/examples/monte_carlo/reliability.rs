@@ -1,5 +1,5 @@
-//! Are the probabilities of the effects those with which they are true? The reliability diagram (G. W. Brier, Mon. Weather
-//! Rev. 78 (1950) 1; A. H. Murphy and R. L. Winkler, Appl. Stat. 26 (1977) 41).
+//! Whether effects are true as often as their stated probabilities say: the reliability diagram (G. W. Brier, Mon. Weather Rev.
+//! 78 (1950) 1; A. H. Murphy and R. L. Winkler, Appl. Stat. 26 (1977) 41).
 
 use report::{Axis, Chart, Colour, Error, Mark, Series};
 use std::fmt::Write;
@@ -15,15 +15,15 @@ struct Class {
     count: usize,
     /// Mean stated probability.
     stated: f64,
-    /// Share that was true.
+    /// Fraction that was true.
     true_share: f64,
 }
 
 impl Class {
-    /// Half width of the share's 95 % interval.
+    /// Half width of that fraction's 95 % interval.
     fn half_width(&self) -> f64 {
         let n = self.count as f64;
-        // Agresti and Coull (1998): two true and two false ones more.
+        // Agresti and Coull (1998): add two true and two false ones.
         let share = (self.true_share * n + 2.0) / (n + 4.0);
         1.96 * (share * (1.0 - share) / (n + 4.0)).sqrt()
     }
@@ -39,7 +39,7 @@ fn classes(statements: &[Statement]) -> Vec<Class> {
     BOUNDS.windows(2).filter_map(within).collect()
 }
 
-/// The section with its table.
+/// Writes the section with its table.
 pub fn section(out: &mut String, statements: &[Statement]) {
     let squares: f64 = statements.iter().map(|(p, is_true)| (p - f64::from(u8::from(*is_true))).powi(2)).sum();
     let _ = write!(

@@ -1,19 +1,19 @@
-//! The sets of a study: which rig, what is in it.
+//! The sets of a study: each one's rig and effects.
 
 use chamber::effects::CARDS;
 use identify::synthetic::recording::{Stated, Wave};
 use identify::synthetic::{Random, Recipe, outside, simulated};
 
-/// Strengths of the rates against strength.
+/// Strengths at which rates are determined.
 pub const STRENGTHS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// A rig and what is in it.
 pub struct Set {
-    /// Chamber, tests and recording that its traces are simulated from.
+    /// Chamber, tests and recording from which its traces are simulated.
     pub recipe: Recipe,
-    /// Whether it is anybody's rig.
+    /// Whether it is a `wide` rig rather than a `bench` one.
     pub wide: bool,
-    /// Names of its effects, joined by +; `none`, or what is outside the list.
+    /// Names of its effects, joined by +; `none`, or the name of what is outside the list.
     pub truth: String,
     /// Their strength.
     pub strength: f64,
@@ -23,10 +23,10 @@ pub struct Set {
 pub const STUDIES: [&str; 6] = ["clean", "effects", "pairs", "outside", "many", INTERVALS];
 /// The study in which the true model is fitted without a search.
 pub const INTERVALS: &str = "intervals";
-/// Pairs are drawn from all; sets of `many` effects have three and four in turn.
+/// Numbers of effects in the sets of `many`, in turn; `pairs` goes through all pairs.
 const MANY: [usize; 2] = [3, 4];
 
-/// Set number `index` of a study; the first ones of every study already cover all of its kinds.
+/// Set number `index` of a study; the first ones of every study cover all of its kinds.
 pub fn set(study: &str, index: u64) -> Option<Set> {
     let simulated = simulated();
     let count = simulated.len();
@@ -44,7 +44,8 @@ pub fn set(study: &str, index: u64) -> Option<Set> {
     let seed = index + 1_000_000 * (1 + place as u64);
     let mut recipe = if wide { Recipe::wide(seed) } else { Recipe::from_seed(seed) };
     let mut random = Random::new(seed);
-    // Bore, position, ambient temperature and the gas are stated as well as their tolerances say, and positions as straight.
+    // Bore, position, ambient temperature and gas are stated with errors drawn from their tolerances, and positions are as
+    // straight.
     recipe.faults.stated = Stated::drawn(&mut random);
     recipe.faults.position_wave = Some(Wave::drawn(&mut Random::new(seed ^ 0xbe7)));
     let (recipe, truth, strength) = match study {

@@ -1,4 +1,4 @@
-//! The grid: which rigs, and what the diagnosis of one says.
+//! The grid: the rigs, and the result of each diagnosis.
 
 use crate::options::{Effects, Options};
 use chamber::card::Prior;
@@ -10,11 +10,11 @@ use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-/// An effect is plain where it leaves this many times the noise beyond what the paper's parameters take up …
+/// An effect is plain if it leaves at least this multiple of the noise beyond what the paper's parameters take up …
 const PLAIN: f64 = 2.0;
-/// … at one of these strengths; a property of the gas that the rig file names has no other than the first.
+/// … at one of these strengths; for a property of the gas that the rig file names only the first is tried.
 const STRENGTHS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Rigs of a row at the most.
+/// Maximum number of rigs in a row of the table.
 const MOST_RIGS: u64 = 1000;
 
 /// One diagnosis to be made.
@@ -27,7 +27,7 @@ pub struct Job {
     tolerances: bool,
 }
 
-/// What came of it.
+/// Result of a diagnosis.
 #[derive(Debug, Serialize)]
 pub struct Row {
     /// Name of the recording.
@@ -38,31 +38,31 @@ pub struct Row {
     pub kind: &'static str,
     /// The rig's effect.
     pub effect: Option<&'static str>,
-    /// That effect's strength, of what a worn bench shows.
+    /// That effect's strength, relative to what a worn bench shows.
     pub strength: Option<f64>,
     /// What it leaves beyond the paper's parameters, Pa, to first order.
     pub effect_pa: Option<f64>,
-    /// Everything that disturbs a reading, rms, Pa.
+    /// Sum of all disturbances of a reading, rms, Pa.
     pub noise_pa: f64,
-    /// The verdict; `refused` where there is an error, `panic` where the program fell over.
+    /// The verdict; `refused` after an error, `panic` after a panic.
     pub verdict: String,
-    /// The error's sentence.
+    /// The error message.
     pub error: Option<String>,
     /// The effects named.
     pub effects: Vec<String>,
-    /// Groups that cannot be told apart.
+    /// Groups of effects that cannot be told apart.
     pub indistinguishable: Vec<Vec<String>>,
     /// `Right`, `Alike`, `WrongName`, `Missed` or `Refused`.
     pub outcome: String,
-    /// λ0 of the model that follows, W/(m² K), with its 95 % interval.
+    /// λ0 of the resulting model, W/(m² K), with its 95 % interval.
     pub lambda0: Option<(f64, [f64; 2])>,
     /// The true λ0.
     pub true_lambda0: f64,
-    /// Whether the interval holds the truth, where the model is the true one or cannot be told from it, and λ0 can be right.
+    /// Whether the interval contains the truth, where the model is the true one or cannot be told from it, and λ0 can be right.
     pub lambda0_inside: Option<bool>,
     /// Systematic misfit of the reported model, Pa.
     pub remaining_pa: Option<f64>,
-    /// Probability under noise of the best family of missing terms in what that model leaves.
+    /// Probability under noise of the best family of missing terms in the remainder of that model.
     pub remaining_probability: Option<f64>,
     /// Duration of the diagnosis, s.
     pub seconds: f64,
@@ -75,7 +75,7 @@ pub fn jobs(options: &Options) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (number, recording) in ALL.iter().enumerate().filter(|(_, r)| chosen(r)) {
         for rig in options.first..options.first + options.rigs {
-            // So that no two rows have a rig, or what its file states, in common.
+            // So that no two rows share a rig, or what its file states.
             let seed = number as u64 * MOST_RIGS + rig;
             let (kind, base) =
                 if rig.is_multiple_of(3) { ("wide", Recipe::wide(seed)) } else { ("bench", Recipe::from_seed(seed)) };
@@ -97,7 +97,7 @@ pub fn jobs(options: &Options) -> Vec<Job> {
 }
 
 impl Job {
-    /// Makes the recording, with an effect strong enough to be plain, and what the effect leaves, Pa.
+    /// The recipe, with an effect strong enough to be plain; the effect's strength, and what it leaves, Pa.
     fn recipe(&self) -> (Recipe, Option<(f64, f64)>) {
         let mut recipe = self.recording.apply(self.base.clone());
         if self.tolerances && recipe.faults.stated == Stated::default() {
@@ -171,12 +171,12 @@ impl Job {
 }
 
 impl Row {
-    /// Whether the effect is well above the noise; a rig without an effect counts.
+    /// Whether the effect is well above the noise; true for a rig without an effect.
     pub fn is_plain(&self) -> bool {
         self.effect_pa.is_none_or(|pa| pa >= PLAIN * self.noise_pa)
     }
 
-    /// All of it in a line.
+    /// The row as one line of text.
     pub fn line(&self) -> String {
         let lambda0 = self.lambda0.map_or_else(String::new, |(value, [low, high])| {
             let percent = |x: f64| 100.0 * (x / self.true_lambda0 - 1.0);
@@ -201,7 +201,7 @@ impl Row {
     }
 }
 
-/// What the contract's JSON says; `None` where there is none.
+/// The answer in the contract's JSON; `None` without one.
 fn answer_of(json: &Value) -> Option<Answer> {
     let texts = |v: &Value| -> Vec<String> {
         v.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()

@@ -1,8 +1,8 @@
-//! How diagnosis does on recordings as benches make them: every kind of `identify::synthetic::recording`, on several
-//! rigs, without and with an effect.
+//! Success of diagnoses on recordings as benches make them: every kind of `identify::synthetic::recording`, on several rigs,
+//! without and with an effect.
 //!
-//! From the project's root: `cargo run --release -p pneutherm-identify --example recordings -- --rigs 3`, to write the
-//! tables `… --rigs 12 --tolerances --out results`; a quick look `… --rigs 1 --effects none --only held,white`.
+//! From the project's root: `cargo run --release -p pneutherm-identify --example recordings -- --rigs 3`; to write the
+//! tables `… --rigs 12 --tolerances --out results`; for a quick look `… --rigs 1 --effects none --only held,white`.
 
 mod grid;
 mod options;

@@ -3,7 +3,7 @@
 use identify::synthetic::recording;
 use std::path::PathBuf;
 
-/// Which effects the rigs have besides none at all.
+/// Effects of the rigs, besides rigs without any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effects {
     /// Rigs without an effect only.
@@ -27,9 +27,9 @@ pub struct Options {
     pub effects: Effects,
     /// Whether every rig file has errors drawn from its tolerances.
     pub tolerances: bool,
-    /// Folder for the results; absent: standard output alone.
+    /// Folder for the results; absent: standard output only.
     pub out: Option<PathBuf>,
-    /// The arguments as they were given, but for the folder, which has no part in the results.
+    /// The arguments as given, except for the folder, which does not affect the results.
     pub command: String,
 }
 
@@ -37,7 +37,7 @@ const USAGE: &str =
     "options: --rigs N, --only NAME[,NAME…], --first N, --effects none|one|all, --tolerances, --out FOLDER";
 
 impl Options {
-    /// From the command line.
+    /// Parses the command line.
     pub fn from_arguments(arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let given: Vec<String> = arguments.collect();
         let mut options = Self {

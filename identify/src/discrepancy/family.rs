@@ -1,8 +1,8 @@
-//! The families: in which balance a term may be missing, and what it may follow.
+//! The families of missing terms: the balance that lacks a term, and the variable on which it depends.
 
 use chamber::effects::empirical::{self, Term};
 
-/// What a missing term may follow.
+/// Variable on which a missing term may depend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// Time from the record's start, s.
@@ -19,7 +19,7 @@ pub enum Variable {
     TemperatureDistance,
     /// Speed of the piston, m/s.
     Speed,
-    /// Its amount, m/s.
+    /// Absolute speed, m/s.
     SpeedAmount,
     /// dP/dt, Pa/s.
     PressureRate,
@@ -32,7 +32,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// Name and unit, for people.
+    /// Name and unit for reports.
     pub fn name(self) -> (&'static str, &'static str) {
         match self {
             Variable::Time => ("time from the record's start", "s"),
@@ -50,7 +50,7 @@ impl Variable {
         }
     }
 
-    /// The same in a model; `None` for what is no matter of the chamber's state and stroke at one moment.
+    /// The same in a model; `None` where it does not follow from the chamber's state and stroke at one moment.
     pub fn in_model(self) -> Option<empirical::Variable> {
         match self {
             Variable::Pressure => Some(empirical::Variable::Pressure),
@@ -69,7 +69,7 @@ impl Variable {
     }
 }
 
-/// What a missing term is, for people.
+/// Description of a missing term for reports.
 pub fn quantity(term: Term) -> &'static str {
     match term {
         Term::MassFlow => "missing mass flow into the gas",
@@ -80,8 +80,8 @@ pub fn quantity(term: Term) -> &'static str {
     }
 }
 
-/// The families tried. A volume that is a function of position alone would be a matter of geometry, a reading that is one
-/// of pressure alone a matter of calibration; both are outside what a closed chamber is modelled by, and so belong here.
+/// The families tried. A volume that depends on position alone would be a matter of geometry, a reading that depends on pressure
+/// alone one of calibration; the model of a closed chamber contains neither, so they belong here.
 pub const FAMILIES: [(Term, Variable); 19] = [
     (Term::MassFlow, Variable::Time),
     (Term::MassFlow, Variable::Pressure),
@@ -104,8 +104,8 @@ pub const FAMILIES: [(Term, Variable); 19] = [
     (Term::Reading, Variable::SinceMove),
 ];
 
-/// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it carries
-/// over to another motion.
+/// The families that a model can hold: the term follows from the chamber's state and stroke at the moment, so that it applies to
+/// other motions.
 pub const CURVES: [(Term, Variable); 15] = [
     (Term::MassFlow, Variable::Pressure),
     (Term::MassFlow, Variable::Mass),

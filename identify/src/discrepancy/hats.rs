@@ -5,25 +5,25 @@ use chamber::dual::Dual;
 use chamber::effects::empirical::Term;
 use chamber::real::Real;
 
-/// Hat functions of a family.
+/// Number of hat functions of a family.
 pub const KNOTS: usize = 6;
-/// A number with its derivatives by the hats' coefficients.
+/// A number with its derivatives with respect to the hats' coefficients.
 pub type Tangent = Dual<KNOTS>;
 
-/// Hat functions of a variable on a record, with the amount that each multiplies and its rate.
+/// Hat functions of a variable along a record, and the amount that each multiplies.
 pub struct Hats<'a> {
-    /// What they disturb.
+    /// The disturbed term.
     pub term: Term,
     /// Times of the rows, s.
     pub time_s: &'a [f64],
-    /// Each hat's value on the rows.
+    /// Each hat's value at the rows.
     pub share: Vec<[f64; KNOTS]>,
-    /// What they multiply on the rows.
+    /// The amount that they multiply, at the rows.
     pub amount: Vec<f64>,
 }
 
 impl Hats<'_> {
-    /// Each hat's amount at a time, s, and its rate, as derivatives by the hats' coefficients.
+    /// Each hat's amount at a time, s, and its rate, as derivatives with respect to the hats' coefficients.
     pub fn amounts(&self, time: f64) -> [Tangent; 2] {
         let last = self.time_s.len() - 1;
         let i = self.time_s.partition_point(|t| *t <= time).clamp(1, last) - 1;
@@ -51,7 +51,7 @@ impl Disturbance<Tangent> for Hats<'_> {
     }
 }
 
-/// Knots along the values of a variable, with the extremes; `None` where it does not vary.
+/// Knots along the values of a variable, extremes included; `None` where it does not vary.
 pub fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);
@@ -60,13 +60,13 @@ pub fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
     if high - low <= 1e-9 * high.abs().max(low.abs()) {
         return None;
     }
-    // Half way between equal distances and equal numbers of rows: neither the rare extremes nor the long holds rule.
+    // Half way between equal distances and equal numbers of rows: neither rare extremes nor long holds dominate.
     let mut at: [f64; KNOTS] = core::array::from_fn(|k| {
         let u = k as f64 / (KNOTS - 1) as f64;
         let by_rank = values[((n - 1) as f64 * u).round() as usize];
         0.5 * (by_rank + low + (high - low) * u)
     });
-    // Where a variable changes its sign laws have corners: a knot belongs there.
+    // Laws have corners where a variable changes its sign: place a knot there.
     if low < 0.0 && high > 0.0 {
         let nearest = (1..KNOTS - 1).min_by(|a, b| at[*a].abs().total_cmp(&at[*b].abs()))?;
         at[nearest] = 0.0;
@@ -83,11 +83,11 @@ pub fn knots(values: &mut Vec<f64>) -> Option<[f64; KNOTS]> {
     Some(at)
 }
 
-/// Values are near one another that differ by less than this share of their range.
+/// Values are near one another if they differ by less than this fraction of their range.
 const NEAR: f64 = 0.02;
 
-/// The middle one of three knots, moved to an end of the gap between `sorted` values in which it lies: no value would
-/// determine the function there. It stays where it is if both ends are near the other knots.
+/// Moves the middle one of three knots to an end of the gap between `sorted` values in which it lies: no value would determine
+/// the function there. It stays where it is if both ends are near the other knots.
 fn out_of_gap(sorted: &[f64], [before, knot, after]: [f64; 3], near: f64) -> f64 {
     let above = sorted.partition_point(|v| *v < knot).clamp(1, sorted.len() - 1);
     let [low, high] = [sorted[above - 1], sorted[above]];
@@ -96,7 +96,7 @@ fn out_of_gap(sorted: &[f64], [before, knot, after]: [f64; 3], near: f64) -> f64
     free.min_by(|a, b| (a - knot).abs().total_cmp(&(b - knot).abs())).unwrap_or(knot)
 }
 
-/// Each hat's value where the variable has the value `v`.
+/// Each hat's value for the value `v` of the variable.
 pub fn hats(at: &[f64; KNOTS], v: f64) -> [f64; KNOTS] {
     let mut share = [0.0; KNOTS];
     let k = at.partition_point(|knot| *knot <= v).clamp(1, KNOTS - 1) - 1;

@@ -1,11 +1,10 @@
-//! What a residual looks like when no name is given to it: a missing flow, power, volume or sensor error as a free
-//! function of one variable.
+//! Unnamed missing terms in a residual: a missing flow, power, volume or sensor error as a free function of one variable.
 //!
-//! Each family is a balance and a variable; its function is piecewise linear on knots along the values that the
-//! variable takes in the records. The pressure's response to each hat function is exact to first order (dual numbers through the whole
-//! simulation); how much of χ² the best combination takes away, beyond what the fitted parameters could, follows from
-//! linear algebra. The same numbers serve two ends: does anything of this kind remain (a test with many more directions
-//! than the named effects have), and what would it be.
+//! Each family combines a balance and a variable; its function is piecewise linear on knots along the values that the variable
+//! takes in the records. The pressure's response to each hat function is exact to first order (dual numbers through the whole
+//! simulation). Linear algebra gives the decrease of χ² by the best combination, beyond what the fitted parameters could achieve.
+//! This serves two purposes: to test whether anything of this kind remains (with many more directions than the named effects
+//! have), and to show its form.
 
 mod family;
 mod hats;
@@ -23,39 +22,39 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 pub use path::Path;
 use rayon::prelude::*;
 
-/// What a family takes away, and its function.
+/// Gain of a family, and its function.
 #[derive(Clone, Debug)]
 pub struct Missing {
-    /// In what way it disturbs.
+    /// The disturbed term.
     pub term: Term,
-    /// What it follows.
+    /// The variable of the function.
     pub variable: Variable,
-    /// How much of χ² the best function takes away.
+    /// Decrease of χ² by the best function.
     pub gain: f64,
     /// Number of independent coefficients.
     pub rank: usize,
     /// Values of the variable at the knots.
     pub at: Vec<f64>,
-    /// The function there.
+    /// Values of the function at the knots.
     pub value: Vec<f64>,
-    /// Its standard deviation there.
+    /// Their standard deviations.
     pub sd: Vec<f64>,
 }
 
 impl Missing {
-    /// How much less BIC a fit with it would have, to first order.
+    /// Decrease of BIC if a fit contained it, to first order.
     pub fn worth(&self, fit: &Fit) -> f64 {
         let (n, squares) = (fit.blocks as f64, fit.marginal);
         -n * ((squares - self.gain).max(1.0) / squares).ln() - self.rank as f64 * n.ln()
     }
 
-    /// Share of a fit's sum of squares beyond noise that it takes away, to first order.
+    /// Fraction of a fit's sum of squares beyond noise that it removes, to first order.
     pub fn share(&self, fit: &Fit) -> f64 {
         let beyond = (fit.marginal - fit.blocks as f64).max(1.0);
         (self.gain / beyond).min(1.0)
     }
 
-    /// It as a model holds it, all zero; `None` where no model can.
+    /// The same as a curve of a model, all zero; `None` where a model cannot hold it.
     pub fn flat(&self) -> Option<empirical::Curve> {
         let (term, variable) = (self.term, self.variable.in_model()?);
         let (knots, values) = (self.at.clone(), vec![0.0; self.at.len()]);
@@ -63,7 +62,7 @@ impl Missing {
     }
 }
 
-/// Everything that can be asked of a fit's residual by the families.
+/// The families of missing terms for a fit's residual.
 pub struct Families<'a> {
     data: &'a Data,
     fit: &'a Fit,
@@ -71,7 +70,7 @@ pub struct Families<'a> {
 }
 
 impl<'a> Families<'a> {
-    /// Along the fitted model; `None` where it cannot be followed.
+    /// Along the fitted model; `None` where its simulation fails.
     pub fn new(data: &'a Data, fit: &'a Fit) -> Option<Self> {
         let paths: Option<Vec<Path>> =
             data.traces.par_iter().zip(&fit.own).map(|(t, own)| Path::along(t, fit, own)).collect();
@@ -83,12 +82,12 @@ impl<'a> Families<'a> {
         &self.paths
     }
 
-    /// All families, best first.
+    /// All families, largest gain first.
     pub fn all(&self) -> Vec<Missing> {
         self.of(&FAMILIES)
     }
 
-    /// The families that a model can hold, best first.
+    /// The families that a model can hold, largest gain first.
     pub fn curves(&self) -> Vec<Missing> {
         self.of(&CURVES)
     }
@@ -112,7 +111,7 @@ impl<'a> Families<'a> {
         Some(Missing { term, variable, gain, rank, at: at.to_vec(), value, sd })
     }
 
-    /// d(model/σ)/d(coefficient) of one trace's blocks.
+    /// d(model/σ)/d(coefficient) for one trace's blocks.
     fn response(&self, k: usize, term: Term, share: Vec<[f64; KNOTS]>) -> Option<DMatrix<f64>> {
         let (t, path) = (&self.data.traces[k], &self.paths[k]);
         let linear = &self.fit.linear[k];
@@ -145,7 +144,7 @@ impl<'a> Families<'a> {
         Some(out.resize_vertically(linear.residual.len(), 0.0))
     }
 
-    /// The best coefficients given that every fitted parameter adapts: gain, rank, values and standard deviations.
+    /// The best coefficients while every fitted parameter adapts: gain, rank, values and standard deviations.
     fn solve(&self, responses: &[DMatrix<f64>]) -> Option<(f64, usize, Vec<f64>, Vec<f64>)> {
         let g = self.fit.information.nrows();
         let (mut ww, mut wj, mut jj) = (DMatrix::zeros(KNOTS, KNOTS), DMatrix::zeros(KNOTS, g), DMatrix::zeros(g, g));
@@ -160,7 +159,7 @@ impl<'a> Families<'a> {
             wr += w.tr_mul(&r);
             jr += j.tr_mul(&r);
         }
-        // What the rig states has its tolerance for a prior.
+        // Stated parameters have their tolerances as priors.
         self.fit.hypothesis.add_priors_of_stated(&mut jj, &mut jr, |_| 1.0);
         let free: Vec<usize> = (0..g).filter(|&i| self.fit.adapts[i] && jj[(i, i)] > 0.0).collect();
         if !free.is_empty() {
@@ -168,10 +167,10 @@ impl<'a> Families<'a> {
             let cross = DMatrix::from_fn(KNOTS, free.len(), |i, j| wj[(i, free[j])]);
             let square = square.cholesky()?;
             ww -= &cross * square.solve(&cross.transpose());
-            // The fit ends a little before its minimum: what the parameters could still gain is not the family's.
+            // The fit ends slightly before its minimum: what the parameters could still gain does not count for the family.
             wr -= &cross * square.solve(&DVector::from_fn(free.len(), |i, _| jr[free[i]]));
         }
-        // Eigenvectors that the parameters can do themselves carry nothing; scale first so that sizes compare.
+        // Skip eigenvectors that the parameters can reproduce; scale first so that sizes compare.
         let raw: Vec<f64> =
             (0..KNOTS).map(|i| responses.iter().map(|w| w.column(i).norm_squared()).sum::<f64>().sqrt()).collect();
         let scale: Vec<f64> = raw.iter().map(|r| if *r > 0.0 { 1.0 / r } else { 0.0 }).collect();

@@ -1,4 +1,4 @@
-//! What the variables of the families are along a record.
+//! Values of the families' variables along a record.
 
 use super::family::Variable;
 use crate::fit::{self, Fit};
@@ -7,7 +7,7 @@ use crate::record::data::Prepared;
 use crate::record::stroke::Phase;
 use chamber::effects;
 
-/// A record's variables along the fitted model, on the rows' times.
+/// A record's variables along the fitted model, at the times of the rows.
 #[derive(Clone, Debug)]
 pub struct Path {
     /// Times, s.
@@ -35,7 +35,7 @@ pub struct Path {
 }
 
 impl Path {
-    /// Along a trace; `None` where the model cannot follow.
+    /// Follows a trace; `None` where the simulation fails.
     pub fn along(t: &Prepared, fit: &Fit, own: &[f64]) -> Option<Self> {
         let setting = fit.setting(t, own);
         let chamber = setting.chamber;
@@ -89,7 +89,7 @@ impl Path {
         Some(path)
     }
 
-    /// A variable on the rows.
+    /// Values of a variable at the rows.
     pub fn variable(&self, v: Variable) -> Vec<f64> {
         let n = self.time_s.len();
         let difference = |i: usize| self.temperature_k[i] - self.ambient_k[i];

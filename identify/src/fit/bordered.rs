@@ -1,7 +1,7 @@
-//! Normal equations with a border: the numbers of the rig in every row, those of a record in its rows only.
+//! Bordered normal equations: the rig parameters appear in every row, per-record parameters in the rows of their record only.
 //!
-//! The records' own numbers are eliminated one record at a time (Schur complement), so that the matrix that is solved has
-//! the size of the rig's numbers however many records there are.
+//! The per-record parameters are eliminated one record at a time (Schur complement), so that the matrix to be solved has the size
+//! of the rig parameters, whatever the number of records.
 
 use super::Linear;
 use super::room::Room;
@@ -16,7 +16,7 @@ pub struct System {
     parts: Vec<Part>,
 }
 
-/// One record's share.
+/// One record's contribution.
 #[derive(Clone)]
 struct Part {
     coupling: DMatrix<f64>,
@@ -33,16 +33,16 @@ impl Part {
 /// A step in all coordinates.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// In the rig's.
+    /// Step in the rig's coordinates.
     pub rig: Vec<f64>,
-    /// In each record's own.
+    /// Step in each record's coordinates.
     pub own: Vec<Vec<f64>>,
-    /// The decrease of χ² that it promises.
+    /// Predicted decrease of χ².
     pub promised: f64,
 }
 
 impl Step {
-    /// This step with another one after it; what it promises is not asked again.
+    /// Adds a second-order correction to this step; the predicted decrease is not updated.
     pub fn bent_by(mut self, bend: &Step) -> Step {
         let add = |to: &mut [f64], more: &[f64]| to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
         add(&mut self.rig, &bend.rig);
@@ -52,7 +52,7 @@ impl Step {
 }
 
 impl System {
-    /// Of the linearised records; `rig` is the number of their common columns.
+    /// Assembles the equations from the linearised records; `rig` is the number of their common columns.
     pub fn new(linear: &[Linear], rig: usize) -> Self {
         let mut whole = DMatrix::zeros(rig, rig);
         let mut parts = Vec::with_capacity(linear.len());
@@ -69,7 +69,7 @@ impl System {
         system
     }
 
-    /// The same equations with other residuals in the place of the records'.
+    /// Returns the same equations with these residuals in place of the records'.
     pub fn with_residuals(&self, linear: &[Linear], residuals: &[Vec<f64>]) -> Self {
         let mut system = self.clone();
         system.aim_at(linear, residuals.iter());
@@ -85,7 +85,7 @@ impl System {
         }
     }
 
-    /// Normal matrix and right side of the rig's numbers, the records' own eliminated.
+    /// Normal matrix and right-hand side of the rig parameters, with the per-record parameters eliminated.
     pub fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let (mut matrix, mut right) = (self.whole.clone(), self.right.clone());
         for part in self.parts.iter().filter(|p| !p.is_absent()) {
@@ -97,8 +97,9 @@ impl System {
         Some((matrix, right))
     }
 
-    /// The step that promises most. A coordinate that it would take beyond its room goes to the end of that, and the others follow: in
-    /// a narrow valley a step that is only cut there leads up its wall. `None` where the equations have no solution.
+    /// Returns the step with the largest predicted decrease. A coordinate that it would take out of its range is held at the end
+    /// of the range, and the others are solved for again: in a narrow valley a step that is only clipped leads up the wall.
+    /// `None` where the equations have no solution.
     pub fn step(&self, room: &Room, damping: f64) -> Option<Step> {
         let mut system = self.clone();
         let mut at_ends: Vec<(usize, usize, f64)> = Vec::new();
@@ -127,7 +128,7 @@ impl System {
         }
     }
 
-    /// Takes a record's own number out of what is free, at a step of that size.
+    /// Removes a per-record parameter from the free ones, at a step of this size.
     fn hold(&mut self, record: usize, number: usize, step: f64) {
         let Part { coupling, own, right } = &mut self.parts[record];
         self.right -= coupling.column(number) * step;
@@ -138,7 +139,7 @@ impl System {
         (own[(number, number)], right[number]) = (1.0, 0.0);
     }
 
-    /// The step in the rig's coordinates within their room.
+    /// The step in the rig's coordinates, within their range.
     fn step_of_rig(&self, room: &Room, damping: f64) -> Option<DVector<f64>> {
         let (matrix, right) = self.reduced(damping)?;
         let mut free: Vec<usize> = (0..self.rig).filter(|&i| self.whole[(i, i)] > 0.0).collect();
@@ -166,7 +167,7 @@ impl System {
         Some(rig)
     }
 
-    /// The steps in the records' own coordinates that go with one of the rig's.
+    /// The steps in the records' coordinates that belong to this step of the rig's.
     fn steps_of_records(&self, rig: &DVector<f64>, damping: f64) -> Option<Vec<DVector<f64>>> {
         let of_record = |part: &Part| match part.is_absent() {
             true => Some(DVector::zeros(part.right.len())),
@@ -175,7 +176,7 @@ impl System {
         self.parts.iter().map(of_record).collect()
     }
 
-    /// The decrease of χ² that a step promises.
+    /// Predicted decrease of χ² for a step.
     fn promised(&self, rig: &DVector<f64>, own: &[DVector<f64>]) -> f64 {
         let of_record = |(part, own): (&Part, &DVector<f64>)| {
             2.0 * own.dot(&(&part.right - part.coupling.tr_mul(rig))) - own.dot(&(&part.own * own))
@@ -200,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_step_to_a_bound_goes_along_the_valley() {
-        // Residuals 1000 (y − x) and x + y − 8, from x = y = 0 on: the least is at x = y = 4, with y ≤ 1 at x = 1.
+        // Residuals 1000 (y − x) and x + y − 8, starting from x = y = 0: the minimum is at x = y = 4, and at x = 1 for y ≤ 1.
         let by_both = DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]);
         let (none, wide, bounded) = (DMatrix::zeros(2, 0), [-10.0, 10.0], [-10.0, 1.0]);
         let step = |by_rig: DMatrix<f64>, by_own: DMatrix<f64>, room: Room| {

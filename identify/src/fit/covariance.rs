@@ -1,10 +1,10 @@
-//! Intervals of what was fitted, and what the data does not determine.
+//! Confidence intervals of the fitted parameters, and combinations that the data does not determine.
 //!
-//! Covariance: inverse of the normal matrix (the records' own numbers eliminated), whose weights carry the noise's colour and
-//! the position's noise. Where a fit leaves more than noise, be it less than the accuracy asked for, each variance is the larger of
-//! two: this one times the sum of squares over its expectation, and that of the sandwich estimator, whose clusters are the records,
-//! or parts of them where there are fewer than six. The tolerances of what the rig states are carried through the fit and added
-//! (JCGM 100:2008, equation 10).
+//! Covariance: inverse of the normal matrix (per-record parameters eliminated), whose weights contain the coloured noise and the
+//! position noise. Where a fit leaves more than noise, even if less than the requested accuracy, each variance is the larger of
+//! two: this one times the sum of squares over its expectation, and that of the sandwich estimator, whose clusters are the
+//! records, or parts of them if there are fewer than six. The tolerances of the stated parameters are propagated through the fit
+//! and added (JCGM 100:2008, equation 10).
 
 use crate::fit::Fit;
 use crate::parameters::{Axis, Slot};
@@ -15,7 +15,7 @@ use serde::Serialize;
 /// A number with its 95 % interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Best value, in the unit below.
+    /// Best value, in `unit`.
     pub value: f64,
     /// Its 95 % interval.
     pub ci95: [f64; 2],
@@ -24,7 +24,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Its interval, for people.
+    /// The interval as text.
     pub fn interval(&self) -> String {
         format!("{} … {}", digits(self.ci95[0], 5), digits(self.ci95[1], 5))
     }
@@ -33,14 +33,14 @@ impl Estimate {
 /// A combination of parameters that the data hardly determines.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Undetermined {
-    /// The parameters, with their shares.
+    /// The parameters, with their coefficients.
     pub parameters: Vec<(String, f64)>,
     /// Standard deviation of the combination, in relative units.
     pub relative_deviation: f64,
 }
 
 impl Undetermined {
-    /// The combination and how far it is off, for people.
+    /// The combination and its uncertainty as text.
     pub fn words(&self) -> String {
         let how = match self.relative_deviation {
             far if far > 100.0 => "not determined at all".to_owned(),
@@ -57,19 +57,19 @@ impl Undetermined {
 /// Two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_985;
 
-/// Covariance of the rig's free coordinates as errors of the values at the stated numbers: that of the records, and the
-/// stated numbers' tolerances carried through the fit (JCGM 100:2008, equation 10); of no extent in coordinates at a bound.
-/// The values do not move with the stated numbers, so that what the records tell of those does not make them better.
+/// Covariance of the rig's free coordinates about the values at the stated parameters: the contribution of the records plus the
+/// tolerances of the stated parameters, propagated through the fit (JCGM 100:2008, equation 10); zero for coordinates at a bound.
+/// The values do not move with the stated parameters, so what the records show of those does not make the values more certain.
 pub fn covariance(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     of_all(fit, leaves_noise, |parts| &parts.records + &parts.by_stated * parts.by_stated.transpose())
 }
 
-/// The same of the records alone: how far the values may be off in another recording of the same tests.
+/// The same from the records alone: how far the values may be off in another recording of the same tests.
 pub fn by_records(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     of_all(fit, leaves_noise, |parts| parts.records.clone())
 }
 
-/// A covariance of the coordinates that are not at a bound, as one of all.
+/// Expands a covariance of the coordinates that are not at a bound to all coordinates.
 fn of_all(fit: &Fit, leaves_noise: bool, of: impl Fn(&Parts) -> DMatrix<f64>) -> DMatrix<f64> {
     let n = fit.rig.len();
     let Some(parts) = Parts::of(fit, leaves_noise) else {
@@ -85,7 +85,7 @@ fn of_all(fit: &Fit, leaves_noise: bool, of: impl Fn(&Parts) -> DMatrix<f64>) ->
     out
 }
 
-/// What the variance of a coordinate is made of: the share of each stated number's tolerance, and of the records.
+/// Fractions of a coordinate's variance that come from the records and from the tolerance of each stated parameter.
 pub fn budget(fit: &Fit, coordinate: usize, leaves_noise: bool) -> Vec<(String, f64)> {
     let Some(parts) = Parts::of(fit, leaves_noise) else { return Vec::new() };
     let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
@@ -101,13 +101,13 @@ pub fn budget(fit: &Fit, coordinate: usize, leaves_noise: bool) -> Vec<(String, 
     shares.into_iter().map(|(name, v)| (name, if sum > 0.0 { v / sum } else { 0.0 })).collect()
 }
 
-/// Where the errors of the rig's free coordinates come from.
+/// Error contributions to the rig's free coordinates.
 struct Parts {
-    /// The coordinates that are not at a bound.
+    /// Indices of the coordinates that are not at a bound.
     free: Vec<usize>,
-    /// Their covariance by the records alone.
+    /// Their covariance from the records alone.
     records: DMatrix<f64>,
-    /// How far each is off for one tolerance of each stated number.
+    /// Error of each per tolerance of each stated parameter.
     by_stated: DMatrix<f64>,
 }
 
@@ -135,9 +135,9 @@ impl Parts {
     }
 }
 
-/// How far each stated number may be off, in units of its tolerance: one, but for the waves of a position sensor and, in a fit that leaves
-/// noise, the heat capacity ratio and the zero of the positions, which are moved to where the records ask for them. Of these the records
-/// tell more: the root of the mean square that they leave possible, as far as they ask for them to be moved included.
+/// Standard error of each stated parameter, in tolerances. It is one, except for the waves of a position sensor and, in a fit
+/// that leaves only noise, for the heat capacity ratio and the position zero, which are moved to the values that the records
+/// favour. The records constrain these further: √(variance beside all others + best value²), at most one.
 fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     let (free, all) = (fit.rig.len(), fit.information.ncols());
     let adapting: Vec<usize> = (0..all).filter(|&i| fit.adapts[i] && fit.information[(i, i)] > 0.0).collect();
@@ -153,7 +153,7 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| left_possible(k).unwrap_or(1.0)))
 }
 
-/// Covariance of a record's own coordinates, the rig's uncertainty included.
+/// Covariance of a record's coordinates, including the uncertainty of the rig's.
 pub fn of_record(fit: &Fit, record: usize, rig: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let l = &fit.linear[record];
     let free = fit.rig.len();
@@ -162,7 +162,7 @@ pub fn of_record(fit: &Fit, record: usize, rig: &DMatrix<f64>) -> Option<DMatrix
     Some(&own + &follows * rig * follows.transpose())
 }
 
-/// Inverse of a symmetric matrix whose rows differ in size.
+/// Inverse of a symmetric matrix whose rows differ in scale.
 fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
     let scale: Vec<f64> = (0..n).map(|i| 1.0 / matrix[(i, i)].sqrt()).collect();
@@ -171,7 +171,7 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
-/// Σ over clusters of score scoreᵀ, the records' own numbers projected out.
+/// Σ over clusters of score scoreᵀ, with the per-record parameters projected out.
 fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
@@ -197,7 +197,7 @@ fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     sum * correction
 }
 
-/// `columns` less their projection on `onto`.
+/// `columns` minus their projection on `onto`.
 pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> {
     if onto.ncols() == 0 || onto.nrows() == 0 {
         return columns.clone();
@@ -208,7 +208,7 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
     }
 }
 
-/// Values and intervals of the rig's free numbers; of one at a bound to the side where there is room.
+/// Values and intervals of the rig's free parameters; at a bound, the interval extends to the allowed side.
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
     let variance = |i: usize| if fit.at_bound[i] { beside_all(fit, i) } else { covariance[(i, i)] };
@@ -216,7 +216,8 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
     each.map(|(i, (axis, x))| {
         let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
         if axis.slot == Slot::DeadVolume {
-            // See [`Fit::chamber_of_rig`]: below zero it is given as one at that bound.
+            // See [`Fit::chamber_of_rig`]: a negative dead volume is reported as zero, with the interval of a value at that
+            // bound.
             let missing = (-estimate.value).max(0.0);
             estimate.value += missing;
             estimate.ci95 = estimate.ci95.map(|end| (end + missing).max(0.0));
@@ -226,9 +227,9 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
     .collect()
 }
 
-/// Variance of a coordinate beside the others that are free and the stated numbers within their tolerances, of one at a bound as if it
-/// were free too. What the records allow on the bound's one side is half of a normal distribution at the most, 95 % of which lie within
-/// the same 1.96 deviations. Nothing is known of a number without influence.
+/// Variance of a coordinate together with the other free ones and the stated parameters within their tolerances; this coordinate
+/// counts as free even at a bound. What the records allow on the bound's one side is at most half a normal distribution, 95 % of
+/// which lies within the same 1.96 standard deviations. Zero for a parameter without influence.
 pub fn beside_all(fit: &Fit, coordinate: usize) -> f64 {
     let free = fit.rig.len();
     let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
@@ -240,21 +241,21 @@ pub fn beside_all(fit: &Fit, coordinate: usize) -> f64 {
     inverse.map_or(0.0, |inverse| inverse[(place, place)] * misfit)
 }
 
-/// Covariance of the values of the rig's free numbers, in their units, row by row.
+/// Covariance of the values of the rig's free parameters, in their units, row by row.
 pub fn of_values(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let slopes: Vec<f64> = fit.hypothesis.axes.iter().zip(&fit.rig).map(|(axis, x)| axis.slope(*x)).collect();
     let n = slopes.len();
     (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] * slopes[i] * slopes[j]).collect()).collect()
 }
 
-/// A coordinate's number with its interval.
+/// The value of a coordinate with its interval.
 pub fn estimate<S>(axis: &Axis<S>, x: f64, variance: f64, unit: &str) -> Estimate {
     let half = NORMAL_95 * variance.sqrt();
     let bounded = |x: f64| axis.value(x.clamp(axis.bounds[0], axis.bounds[1]));
     Estimate { value: axis.value(x), ci95: [bounded(x - half), bounded(x + half)], unit: unit.to_owned() }
 }
 
-/// Directions whose relative uncertainty is beyond a third: parameters, or sums and differences of them.
+/// Directions with a relative standard deviation above 0.33: parameters, or sums and differences of them.
 pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
     const TOO_WIDE: f64 = 0.33;
     let h = &fit.hypothesis;

@@ -1,8 +1,8 @@
-//! The descent to a least sum of squares: Levenberg–Marquardt with bounds, its failing steps bent.
+//! Minimisation of the sum of squares: Levenberg–Marquardt with bounds and a second-order correction of failed steps.
 //!
-//! A step v solves (JᵀJ + μ D) v = Jᵀρ, ρ the residuals, D the diagonal of JᵀJ. Where the sum of squares has a narrow bent
-//! valley, such a step leads up its wall, and the damping μ makes all further steps short. A step that fails is therefore tried
-//! once more with what it has shown of the bend: ρ(x + v) − (ρ − J v) is −½ of the model's second derivative along it, and
+//! A step v solves (JᵀJ + μ D) v = Jᵀρ, ρ the residuals, D the diagonal of JᵀJ. Where the sum of squares has a narrow curved
+//! valley, such a step leads up its wall, and the damping μ makes all further steps short. A failed step is therefore retried
+//! with the curvature that it revealed: ρ(x + v) − (ρ − J v) is −½ of the model's second derivative along it, and
 //! (JᵀJ + μ D)⁻¹ Jᵀ times that is added to the step. Source: M. K. Transtrum and J. P. Sethna, arXiv:1201.5885 (2012) (geodesic
 //! acceleration, here with the whole step as the difference).
 
@@ -15,75 +15,75 @@ use crate::policy;
 use crate::record::data::Data;
 use nalgebra::DVector;
 
-/// When a descent ends, and a fit by descents.
+/// Stopping criteria of a descent, and of a fit, which consists of descents.
 #[derive(Clone, Copy, Debug)]
 pub struct Until {
-    /// After so many iterations at the latest.
+    /// Maximum number of iterations.
     pub iterations: usize,
-    /// By a step that promises less than this much of χ², times χ² over its expectation, since the evidence counts χ² in that
-    /// measure.
+    /// A descent ends when a step promises to reduce χ² by less than this, times χ² over its expectation (the measure in which
+    /// the evidence counts χ²).
     pub gain: f64,
-    /// Or after so many iterations in a row that gained less.
+    /// It also ends after this many successive iterations that gained less.
     pub slow_iterations: usize,
-    /// Descents of a fit at most, each from where the one before stopped without converging.
+    /// Maximum number of descents in a fit, each starting where the previous one stopped without converging.
     pub descents: usize,
-    /// χ² of the best fit that is known. What stays far behind it, creeping, is given up.
+    /// χ² of the best known fit. A descent that stays far above it and progresses too slowly is given up.
     pub best: f64,
 }
 
 impl Until {
-    /// At a minimum: a step that gains so little of χ² moves no number by more than a twentieth of its standard deviation (√0.002). The
-    /// iterations only end a fit that creeps.
+    /// At a minimum: a step with this gain in χ² moves no parameter by more than a twentieth of its standard deviation (√0.002).
+    /// The iteration limit only ends a fit that creeps.
     pub const SETTLED: Self = Self { iterations: 40, gain: 2e-3, slow_iterations: 1, descents: 2, best: f64::INFINITY };
-    /// The same by one descent, wherever that ends.
+    /// The same with a single descent, converged or not.
     pub const ONE_DESCENT: Self = Self { descents: 1, ..Self::SETTLED };
-    /// Where steps gain next to nothing beside decisive evidence: the far end of a narrow valley is not waited for. A single
+    /// Where steps gain next to nothing compared with decisive evidence: not to the far end of a narrow valley. A single
     /// iteration may gain little because its step was damped.
     pub const ROUGHLY: Self = Self { gain: 1e-3 * policy::DECISIVE, slow_iterations: 2, ..Self::SETTLED };
 
-    /// After a few iterations.
+    /// After this many iterations at the latest.
     pub const fn after(iterations: usize) -> Self {
         Self { iterations, ..Self::SETTLED }
     }
 
-    /// At a minimum, unless it stays far behind a fit with so large a χ².
+    /// At a minimum, unless it stays far above a fit with this χ².
     pub const fn beside(best: f64) -> Self {
         Self { best, ..Self::SETTLED }
     }
 }
 
-/// A step that takes less than this share of χ² away leads so little far that the simulations keep their steps: with steps chosen
-/// anew χ² scatters by more than what the last iterations gain.
+/// A step that reduces χ² by less than this fraction is so short that the simulations keep their integration steps: with newly
+/// chosen ones χ² scatters by more than the last iterations gain.
 const NEAR: f64 = 0.01;
-/// A fit with more than so many times the χ² of the best known one is far behind it: no difference in numbers makes up for that...
+/// A fit whose χ² exceeds that of the best known one by this factor is far above it: no difference in parameters makes up for
+/// that...
 const FAR_BEHIND: f64 = 2.0;
-/// ...and stays there if it takes less than this share of its way in each of so many iterations in a row: in all iterations of its
-/// descents it would not come to the best one.
+/// ...and is given up if it gains less than this fraction of the distance in each of this many successive iterations: all
+/// iterations of its descents would not reach the best one.
 const CREEPING: (f64, usize) = (0.01, 3);
-/// Dampings that are tried before an iteration is given up.
+/// Maximum number of dampings tried in an iteration.
 const MOST_DAMPINGS: usize = 12;
-/// Of these, the first so many bend their steps: with more damping the steps are short, and next to straight.
+/// The second-order correction is applied to this many of them: with more damping the steps are short and nearly straight.
 const BENT: usize = 3;
 
-/// Damping that a descent begins with, of the diagonal of JᵀJ: next to none, as fits begin near a minimum or at one of several starts.
+/// Initial damping, relative to the diagonal of JᵀJ: almost none, since fits begin near a minimum or at one of several starts.
 const FIRST_DAMPING: f64 = 1e-4;
-/// After a step that fails the damping is so many times as large: three failures take it from where it bends a step to where it
-/// shortens one.
+/// Factor on the damping after a failed step: three failures take it from a value that bends a step to one that shortens it.
 const MORE: f64 = 10.0;
-/// After one that takes more than this share of what it promised it is so many times as large: there the problem is as good as
-/// linear, where an undamped step is best.
+/// After a step that gains more than the fraction `KEPT` of its prediction, the damping is multiplied by `LESS`: there the
+/// problem is practically linear, and an undamped step is best.
 const KEPT: f64 = 0.7;
 const LESS: f64 = 0.1;
-/// Damping after a failure, at the least: from less on, several steps in a row would be the same one.
+/// Minimum damping after a failure: starting from less, several successive steps would be the same.
 const LEAST_AFTER_FAILURE: f64 = 1e-3;
-/// Damping where the system has no solution, at the least: it lifts what is singular above the round-off of JᵀJ.
+/// Minimum damping for a singular system: it lifts singular directions above the round-off of JᵀJ.
 const LEAST_OF_SINGULAR: f64 = 1e-6;
-/// Less damping changes no step: the sensitivities are not known better.
+/// Minimum damping: less changes no step, given the accuracy of the sensitivities.
 const LEAST_DAMPING: f64 = 1e-9;
-/// A step with more damping is so short that it is the simulation's accuracy that keeps it from leading down.
+/// Maximum damping: with more, steps are so short that only the accuracy of the simulation keeps them from leading down.
 const MOST_DAMPING: f64 = 1e8;
 
-/// Where a descent has come to.
+/// State of a descent.
 #[derive(Clone, Debug)]
 pub struct Descent {
     /// The rig's coordinates.
@@ -94,16 +94,16 @@ pub struct Descent {
     pub chi2: f64,
     /// Iterations used.
     pub iterations: usize,
-    /// Whether it ended at a minimum.
+    /// Whether it converged to a minimum.
     pub converged: bool,
-    /// Whether it was given up far behind the best fit that is known.
+    /// Whether it was given up far above the best known fit.
     pub given_up: bool,
-    /// Where the problem was linearised last.
+    /// The last linearisation.
     pub at: Linearised,
 }
 
 impl Descent {
-    /// One that begins at these coordinates.
+    /// A descent that begins at these coordinates.
     pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
         Self {
             rig,
@@ -117,7 +117,7 @@ impl Descent {
     }
 }
 
-/// The sum of squares and the coordinates where the descent ends: also to choose among starts.
+/// Minimises the sum of squares and returns where the descent ends; also used to choose among starts.
 ///
 /// # Errors
 /// [`Failure`].
@@ -159,7 +159,7 @@ pub fn descend(
     Ok(here)
 }
 
-/// Coordinates that were tried.
+/// Coordinates that were tried, and their residuals.
 struct Trial {
     rig: Vec<f64>,
     own: Vec<Vec<f64>>,
@@ -169,15 +169,15 @@ struct Trial {
 
 /// How an iteration ends.
 enum Next {
-    /// At lower coordinates.
+    /// A step led to a lower sum of squares.
     Lower(Trial),
-    /// No step promises anything that counts, or none leads down, to the accuracy of the simulation.
+    /// No step promises a significant gain, or none leads down within the accuracy of the simulation.
     Minimum,
-    /// Too many dampings.
+    /// The maximum number of dampings was reached.
     Nowhere,
 }
 
-/// What is minimised.
+/// The problem to be minimised.
 struct Problem<'a> {
     data: &'a Data,
     hypothesis: &'a Hypothesis,
@@ -186,7 +186,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The first step that leads down, from the damping on that led down before.
+    /// Returns the first step that leads down, starting with the damping of the last successful one.
     fn lower(&self, here: &Descent, linear: &[Linear], damping: &mut f64, settled: f64) -> Next {
         let system = System::new(linear, self.hypothesis.axes.len());
         let room = self.room(&here.rig, &here.own);
@@ -227,8 +227,8 @@ impl Problem<'_> {
         Room::around(self.hypothesis, &self.own_axes, rig, own)
     }
 
-    /// A step from there, within the bounds; `None` where the simulation fails. Whether it leads down is a matter of the
-    /// residuals alone, at a fraction of the sensitivities' cost.
+    /// Evaluates a step within the bounds; `None` where the simulation fails. Only residuals are computed, at a fraction of the
+    /// cost of the sensitivities.
     fn trial(&self, from: &Descent, linear: &[Linear], step: &Step) -> Option<Trial> {
         let rig = moved(&from.rig, &step.rig, self.hypothesis.axes.iter().map(|axis| axis.bounds));
         let steps = from.own.iter().zip(&step.own).zip(&self.own_axes);
@@ -240,7 +240,7 @@ impl Problem<'_> {
     }
 }
 
-/// By how much the residuals after a step differ from those that its linearised problem promises.
+/// Residuals after a step minus those predicted by the linearised problem.
 fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let rig = DVector::from_column_slice(&step.rig);
     let of_record = |((l, own), after): ((&Linear, &Vec<f64>), &Vec<f64>)| {
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_step_that_is_bent_by_what_it_missed_comes_an_order_nearer() {
-        // Model x + x²/2 in two blocks, from zero on.
+        // Model x + x²/2 in two blocks, starting from zero.
         let model = |x: f64| x + 0.5 * x * x;
         let error = |target: f64| {
             let residual = |x: f64| vec![model(target) - model(x); 2];

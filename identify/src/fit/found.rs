@@ -1,4 +1,4 @@
-//! What a fit found: the numbers, what they leave, and the linearised problem there.
+//! Result of a fit: parameters, residuals and the linearised problem at the solution.
 
 use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
@@ -13,47 +13,46 @@ use rayon::prelude::*;
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// What was fitted.
+    /// The hypothesis that was fitted.
     pub hypothesis: Hypothesis,
     /// The rig's coordinates.
     pub rig: Vec<f64>,
-    /// Each record's own coordinates.
+    /// Each record's coordinates.
     pub own: Vec<Vec<f64>>,
-    /// Σ of squares of the whitened residuals.
+    /// Sum of squares of the whitened residuals.
     pub chi2: f64,
-    /// The same where what the rig states may move within its tolerance, squares of those moves included.
+    /// The same with the stated parameters free within their tolerances, including the squares of their moves.
     pub marginal: f64,
-    /// How far the stated numbers then move, in units of their tolerance.
+    /// These moves of the stated parameters, in tolerances.
     pub moved: Vec<f64>,
-    /// How far the rig's free coordinates move with them.
+    /// The moves of the rig's free coordinates that go with them.
     pub follow: Vec<f64>,
-    /// Σ of squares that effects which smear or shift the records may take off by smoothing the stroke's noise alone.
+    /// Sum of squares that effects which smear or shift the records may remove merely by smoothing the noise of the stroke.
     pub smoothed: f64,
-    /// Blocks that took part.
+    /// Number of blocks used.
     pub blocks: usize,
-    /// The linearised problem at the solution, record by record; its columns include the stated numbers.
+    /// The linearised problem at the solution, record by record; its columns include the stated parameters.
     pub linear: Vec<Linear>,
-    /// Normal matrix of the rig's free and stated numbers, priors included, with the records' own eliminated.
+    /// Normal matrix of the rig's free and stated parameters, including priors, with the per-record parameters eliminated.
     pub information: DMatrix<f64>,
-    /// What the records ask of those numbers: the right-hand side beside that matrix.
+    /// Right-hand side that belongs to that matrix.
     pub asked: DVector<f64>,
-    /// Free numbers of the rig that ended at a bound.
+    /// Which free parameters of the rig ended at a bound.
     pub at_bound: Vec<bool>,
-    /// Numbers of the linearised problem, free or stated, that may move to where the records ask for them: not one at a bound, nor
-    /// one that a card states.
+    /// Which parameters of the linearised problem, free or stated, may move to the values that the records favour: all but those
+    /// at a bound and those stated by a card.
     pub adapts: Vec<bool>,
-    /// Root mean square by which the surroundings of single records differ from the rig's, in standard deviations beforehand, where
-    /// the stated numbers are moved.
+    /// Root mean square deviation of the records' ambient temperatures from the rig's, in prior standard deviations, with the
+    /// stated parameters moved.
     pub ambient_scatter: f64,
-    /// Iterations used.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Whether the iteration ended at a minimum rather than at its limit.
+    /// Whether the iteration converged rather than reached its limit.
     pub converged: bool,
 }
 
 impl Fit {
-    /// Whether a number of the rig that something was known of beforehand has gone as far from that as it may:
-    /// [`policy::DEVIATIONS_BEFOREHAND`].
+    /// Whether a rig parameter with a prior has reached the end of its allowed range: [`policy::DEVIATIONS_BEFOREHAND`].
     pub fn is_beyond_belief(&self) -> bool {
         const NEARLY: f64 = 0.999;
         let most = NEARLY * policy::DEVIATIONS_BEFOREHAND;
@@ -61,7 +60,7 @@ impl Fit {
         self.rig.iter().zip(&self.hypothesis.axes).any(is_far)
     }
 
-    /// A number of an effect that has nearly gone to an end of what its card allows, other than one where the effect is off:
+    /// Returns an effect parameter close to a limit of its card's range, other than a limit at which the effect is off:
     /// [`policy::NEARLY_EXHAUSTED`].
     pub fn exhausted(&self) -> Option<Slot> {
         let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
@@ -76,23 +75,22 @@ impl Fit {
         self.rig.iter().zip(&self.hypothesis.axes).find(is_exhausted).map(|(_, axis)| axis.slot)
     }
 
-    /// Whether the moves of the stated numbers take away a good part of what they leave beyond noise:
-    /// [`policy::EASED`].
+    /// Whether moving the stated parameters removes a large part of the squares beyond noise: [`policy::EASED`].
     pub fn is_eased_by_moves(&self) -> bool {
         self.chi2 - self.marginal > policy::EASED * (self.chi2 - self.blocks as f64)
     }
 
-    /// Whether the surroundings of the records would have to scatter by more than they can: [`policy::TOLERANCES`].
+    /// Whether the records' ambient temperatures would have to scatter by more than is credible: [`policy::TOLERANCES`].
     pub fn needs_other_surroundings(&self) -> bool {
         self.ambient_scatter > policy::TOLERANCES
     }
 
-    /// The rig's coordinates at the best move of the stated numbers.
+    /// The rig's coordinates with the stated parameters at their best move.
     pub fn rig_moved(&self) -> Vec<f64> {
         super::moved(&self.rig, &self.follow, self.hypothesis.axes.iter().map(|axis| axis.bounds))
     }
 
-    /// A record's own coordinates there: to first order, from the normal equations.
+    /// A record's coordinates at that move, to first order from the normal equations.
     pub fn own_moved(&self, data: &Data, record: usize) -> Vec<f64> {
         let (l, own) = (&self.linear[record], &self.own[record]);
         let all: Vec<f64> = self.follow.iter().chain(&self.moved).copied().collect();
@@ -107,8 +105,8 @@ impl Fit {
         self.hypothesis.chamber(&self.rig)
     }
 
-    /// The fitted chamber as one of the rig can be: without what each record has for itself, whose place holds where a fit began.
-    /// A dead volume below zero says that positions are counted from too far, and is zero.
+    /// The fitted chamber as a property of the rig: without the per-record effects, whose entries hold the fit's starting values.
+    /// A negative dead volume means that positions read too high, and is set to zero.
     pub fn chamber_of_rig(&self) -> Chamber {
         let mut chamber = self.chamber();
         chamber.effects = chamber.effects.without(self.hypothesis.model.own);
@@ -116,18 +114,18 @@ impl Fit {
         chamber
     }
 
-    /// By how much positions then read too much, m; `None` where the dead volume is not below zero.
+    /// How much the positions then read too high, m; `None` where the dead volume is not negative.
     pub fn positions_too_far_m(&self) -> Option<f64> {
         let geometry = self.chamber().geometry;
         (geometry.dead_volume < 0.0).then(|| -geometry.dead_volume / geometry.piston_area)
     }
 
-    /// What a record is simulated with, at the stated numbers.
+    /// The simulation setting of a record, at the stated parameters.
     pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
         self.hypothesis.setting(trace, &self.rig, &[], own)
     }
 
-    /// How each record's readings look at the recorded stroke.
+    /// How each record's readings depend on the recorded stroke.
     pub fn looks(&self, data: &Data) -> Vec<Look> {
         let set = self.hypothesis.model.effects;
         let look = |values: &EffectValues| Look {
@@ -139,8 +137,8 @@ impl Fit {
         data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
     }
 
-    /// How the pressure of each row answers the heat of forced convection, Pa over the share of a small change of that, record by record;
-    /// nothing where the model is without it.
+    /// Response of the pressure in each row to a relative change of the forced-convection heat, Pa per unit, record by record;
+    /// empty where the model lacks that effect.
     pub fn by_speed_pa(&self, data: &Data) -> Vec<Vec<f64>> {
         const SMALL: f64 = 0.05;
         let set = self.hypothesis.model.effects;
@@ -157,7 +155,7 @@ impl Fit {
         data.traces.par_iter().zip(&self.own).map(|record| of_record(record).unwrap_or_default()).collect()
     }
 
-    /// Takes the stated numbers that adapt to where the records ask for them, within their tolerances.
+    /// Moves the stated parameters that adapt to the values that the records favour, within their tolerances.
     pub(super) fn move_within_tolerances(&mut self) {
         let mut adapts = std::mem::take(&mut self.adapts);
         if let Some((left, x)) = self.credible_move(&mut adapts) {
@@ -167,12 +165,12 @@ impl Fit {
         self.adapts = adapts;
     }
 
-    /// Each stated number, and how far it is from where it is stated when moved, in tolerances.
+    /// Each stated parameter with the distance of its moved from its stated value, in tolerances.
     pub fn moved_from_stated(&self) -> impl Iterator<Item = (&Axis, f64)> {
         self.hypothesis.stated.iter().zip(&self.moved).map(|(axis, moved)| (axis, moved - axis.mean()))
     }
 
-    /// How far the records ask for a stated number to move, in tolerances, and what [`Fit::marginal`] is without that.
+    /// The move of a stated parameter that the records favour, in tolerances, and [`Fit::marginal`] without it.
     pub fn asked(&self, slot: Slot) -> Option<(f64, f64)> {
         let (place, mut adapts) = (self.place_of(slot)?, self.adapts.clone());
         adapts[self.rig.len() + place] = false;
@@ -180,15 +178,15 @@ impl Fit {
         Some((self.moved[place], left))
     }
 
-    /// [`Fit::marginal`] with the geometry's and the temperatures' tolerances so many times as wide, and the gas within its own.
+    /// [`Fit::marginal`] with the tolerances multiplied by this factor, except that of the gas.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
         let mut weights = vec![1.0 / (factor * factor); self.moved.len()];
         self.place_of(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
         self.best_weighed(&weights, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
-    /// [`Fit::marginal`] where positions may lie off a straight line so many times as far as stated, and how far they then do, in
-    /// tolerances.
+    /// [`Fit::marginal`] with the tolerance of the position's nonlinearity multiplied by this factor, and the largest amplitude
+    /// then reached, in tolerances.
     pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
         let (mut weights, mut adapts) = (self.as_stated(), self.adapts.clone());
         for wave in self.waves() {
@@ -199,18 +197,18 @@ impl Fit {
         Some((left, self.farthest_wave(&x)))
     }
 
-    /// The best move that can be believed, and what it leaves.
+    /// The best credible move and the sum of squares that it leaves.
     ///
-    /// The gas goes by its tolerance whatever is left: evidence takes the noise's size as unknown, so that beside squares many times as
-    /// large as noise's a move of many tolerances would count for little.
+    /// A move of the heat capacity ratio costs the same whatever the misfit: the evidence treats the noise level as unknown, so
+    /// beside squares far above those of noise a move of many tolerances would count for little.
     ///
-    /// The waves of a position sensor are believed up to [`policy::TOLERANCES`]: what asks for more has another cause. Up to one
-    /// tolerance beyond they have that much less of a tolerance, and from there on none of them adapts: were they believed at once or
-    /// not, any number that brings one below the limit would gain all that the waves do.
+    /// The waves of a position sensor are credible up to [`policy::TOLERANCES`]: a larger amplitude has another cause. Over the
+    /// next tolerance their tolerance shrinks to zero, and beyond that none of them adapts: with a hard limit, any parameter that
+    /// brings one below it would gain everything that the waves remove.
     fn credible_move(&self, adapts: &mut [bool]) -> Option<(f64, Vec<f64>)> {
         /// In tolerances.
         const FADES_WITHIN: f64 = 1.0;
-        /// After so many the squares that are left change no more.
+        /// After this many rounds the sum of squares no longer changes.
         const ROUNDS: usize = 3;
         let mut weights = self.as_stated();
         let mut best = self.best_weighed(&weights, adapts)?;
@@ -234,8 +232,8 @@ impl Fit {
         self.best_weighed(&weights, adapts)
     }
 
-    /// Σ of squares that the best move of all numbers that adapt leaves, its own included, and that move, with such weights of the
-    /// stated numbers' squares.
+    /// Sum of squares left by the best move of all adapting parameters, including the move's own squares, and that move, with
+    /// these weights of the stated parameters' squares.
     fn best_weighed(&self, weights: &[f64], adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
         let (mut matrix, mut right) = (self.information.clone(), self.asked.clone());
         self.hypothesis.add_priors_of_stated(&mut matrix, &mut right, |k| weights[k] - 1.0);
@@ -245,34 +243,34 @@ impl Fit {
         Some(((unmoved - gain).max(0.0), x))
     }
 
-    /// Weights of the stated numbers' squares, in their tolerances.
+    /// Unit weights: the squares of the stated parameters in their tolerances.
     fn as_stated(&self) -> Vec<f64> {
         vec![1.0; self.moved.len()]
     }
 
-    /// Which of the stated numbers that is.
+    /// Index of a stated parameter.
     fn place_of(&self, slot: Slot) -> Option<usize> {
         self.hypothesis.stated.iter().position(|axis| axis.slot == slot)
     }
 
-    /// Which of them are the waves of a position sensor.
+    /// Indices of the position sensor's waves among the stated parameters.
     fn waves(&self) -> impl Iterator<Item = usize> {
         self.hypothesis.stated.iter().enumerate().filter(|(_, axis)| axis.slot.is_wave()).map(|(k, _)| k)
     }
 
-    /// How far a move goes in the farthest of these.
+    /// Largest wave amplitude in a move, in tolerances.
     fn farthest_wave(&self, x: &[f64]) -> f64 {
         self.waves().map(|wave| x[self.rig.len() + wave].abs()).fold(0.0, f64::max)
     }
 
-    /// Number of free parameters beyond those that every record has.
+    /// Number of free parameters, not counting those that every record has.
     pub fn freedom(&self) -> usize {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
         self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
     }
 }
 
-/// How much of χ² the best move of all numbers that adapt takes away, and that move.
+/// Decrease of χ² by the best move of all adapting parameters, and that move.
 fn best_move(matrix: &DMatrix<f64>, right: &DVector<f64>, adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
     let n = right.len();
     let free: Vec<usize> = (0..n).filter(|&i| adapts[i] && matrix[(i, i)] > 0.0).collect();
@@ -334,7 +332,7 @@ mod tests {
         let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
         let over_noise = fit.marginal / fit.blocks as f64;
         assert!(over_noise > 10.0, "{over_noise}");
-        // As far as squares in the noise that is left ask for: they are that much less certain.
+        // The move if all squares are scaled to the remaining misfit, which makes them less certain.
         let mut scaled = fit.clone();
         scaled.information *= 1.0 / over_noise;
         scaled.asked *= 1.0 / over_noise;

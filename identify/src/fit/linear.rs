@@ -1,4 +1,4 @@
-//! Residuals of the records and their sensitivities: the simulation in dual numbers, block by block, whitened.
+//! Residuals of the records and their sensitivities: simulation in dual numbers, block by block, whitened.
 
 use crate::forward::Run;
 use crate::parameters::{Hypothesis, Setting};
@@ -13,28 +13,29 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Derivatives in one pass of the simulation at the most.
+/// Maximum number of derivatives in one pass of the simulation.
 const WIDEST: usize = 12;
 
-/// Which blocks take part: the number of leading blocks of each record.
+/// Blocks that are used: the number of leading blocks of each record.
 pub type Selection = [usize];
 
-/// Why a fit failed: the record whose simulation failed at the very start, and how.
+/// Why a fit failed: the record whose simulation failed at the starting point, and the error.
 pub type Failure = (usize, IntegrationError);
 
-/// Residuals and sensitivities of one record's blocks, whitened: each of standard deviation one, independent of the others.
-/// Behind the blocks stands a row for each prior of the record's own numbers.
+/// Whitened residuals and sensitivities of one record's blocks: of unit standard deviation and independent. After the blocks
+/// follows a row for each prior of the per-record parameters.
 #[derive(Clone, Debug)]
 pub struct Linear {
     /// Number of blocks.
     pub blocks: usize,
     /// (mean − model)/σ.
     pub residual: Vec<f64>,
-    /// d(model/σ)/d(coordinate of the rig), a row for each block; behind the free ones, where wanted, the stated ones.
+    /// d(model/σ)/d(coordinate of the rig), a row for each block; after the free coordinates follow the stated ones, where
+    /// wanted.
     pub by_rig: DMatrix<f64>,
-    /// d(model/σ)/d(own coordinate).
+    /// d(model/σ)/d(coordinate of the record).
     pub by_own: DMatrix<f64>,
-    /// The steps of the simulation.
+    /// Integration steps of the simulation.
     pub mesh: Mesh,
 }
 
@@ -43,14 +44,14 @@ pub struct Linear {
 pub enum Linearised {
     /// At the coordinates themselves.
     Here(Vec<Linear>),
-    /// So near to them that the steps of the simulations hold.
+    /// So close to them that the simulations keep their integration steps.
     Near(Vec<Linear>),
-    /// Not yet, or far from there.
+    /// Not linearised yet, or far away.
     Nowhere,
 }
 
 impl Linearised {
-    /// What tells the steps of the simulations.
+    /// The linearisation that provides the integration steps.
     pub(super) fn near(&self) -> Option<&[Linear]> {
         match self {
             Linearised::Here(linear) | Linearised::Near(linear) => Some(linear),
@@ -59,8 +60,8 @@ impl Linearised {
     }
 }
 
-/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why; by the steps that the
-/// simulations took `near` these coordinates.
+/// Residuals and sensitivities of all selected blocks, or the record whose simulation failed and why. Uses the integration steps
+/// of `near`, a linearisation close to these coordinates.
 pub(super) fn linearise(
     data: &Data,
     hypothesis: &Hypothesis,
@@ -76,7 +77,7 @@ pub(super) fn linearise(
     })
 }
 
-/// The same with the sensitivities by the stated numbers too; where the others are known, by those alone.
+/// The same with the sensitivities to the stated parameters; only these are computed where the others are known.
 pub(super) fn linearise_in_all(
     data: &Data,
     hypothesis: &Hypothesis,
@@ -96,7 +97,7 @@ pub(super) fn linearise_in_all(
     })
 }
 
-/// Every record linearised by `record`, the priors of the rig's numbers behind them.
+/// Linearises every record by `record` and appends the priors of the rig parameters.
 fn linearised<'a>(
     data: &Data,
     hypothesis: &Hypothesis,
@@ -114,8 +115,8 @@ fn linearised<'a>(
     Ok(records)
 }
 
-/// The residuals that [`linearise`] would find there by the steps taken `near`, record by record and the priors of the rig's
-/// numbers behind them, at a fraction of its cost; `None` where the simulation fails.
+/// The residuals that [`linearise`] would return with the integration steps of `near`, record by record, followed by the priors
+/// of the rig parameters, at a fraction of its cost; `None` where the simulation fails.
 pub(super) fn residuals(
     data: &Data,
     hypothesis: &Hypothesis,
@@ -133,7 +134,7 @@ pub(super) fn residuals(
     Some(records)
 }
 
-/// One record's whitened residuals, the priors of its own numbers behind them.
+/// One record's whitened residuals, followed by the priors of its parameters.
 fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize, mesh: &Mesh) -> Option<Vec<f64>> {
     let selected = &t.blocks[..blocks];
     let mut out = Vec::new();
@@ -148,7 +149,7 @@ fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usiz
     out.iter().all(|r| r.is_finite()).then_some(out)
 }
 
-/// What is known beforehand of a record's own numbers, by their places; nothing where the record takes no part.
+/// Priors of a record's parameters with their indices; empty where the record is not used.
 fn own_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 2])> {
     match blocks {
         0 => Vec::new(),
@@ -156,7 +157,7 @@ fn own_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 
     }
 }
 
-/// What is known of the rig's free numbers beforehand, as one more record without blocks.
+/// Priors of the rig's free parameters, as a further record without blocks.
 fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear> {
     let known: Vec<(usize, [f64; 2])> =
         hypothesis.axes.iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect();
@@ -179,10 +180,10 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
     Some(Linear { blocks: 0, residual, by_rig, by_own, mesh: Mesh::default() })
 }
 
-/// Where one record is linearised.
+/// Point at which one record is linearised.
 struct Coordinates<'a> {
     rig: &'a [f64],
-    /// How many of the stated numbers take part, each at zero.
+    /// Number of stated parameters included, each at zero.
     stated: usize,
     own: &'a [f64],
 }
@@ -219,7 +220,7 @@ fn record(
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
 }
 
-/// A record that was linearised by its free and own numbers, by the stated ones as well.
+/// Extends the linearisation of a record in its free and per-record parameters by the stated ones.
 fn by_stated_too(
     t: &Prepared,
     h: &Hypothesis,
@@ -238,8 +239,8 @@ fn by_stated_too(
     Ok(Linear { blocks, residual, by_rig, by_own, mesh })
 }
 
-/// Whitened columns of the residual and of the derivatives by the coordinates at these places, for the first `blocks` blocks;
-/// with the steps taken.
+/// Whitened columns of the residual and of the derivatives with respect to the coordinates at `places`, for the first `blocks`
+/// blocks; and the integration steps.
 fn columns(
     t: &Prepared,
     h: &Hypothesis,
@@ -257,7 +258,7 @@ fn columns(
     let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
     let passes: Result<Vec<(DMatrix<f64>, Mesh)>, IntegrationError> = firsts
         .par_iter()
-        // No wider than need be.
+        // No wider than necessary.
         .map(|&first| match width(first) {
             ..=4 => pass::<4>(t, h, x, first, blocks, mesh),
             5..=6 => pass::<6>(t, h, x, first, blocks, mesh),
@@ -274,7 +275,8 @@ fn columns(
     Ok((columns, taken))
 }
 
-/// Columns of the residual and of the derivatives by N coordinates from the `first` on, for the first `blocks` blocks.
+/// Columns of the residual and of the derivatives with respect to N coordinates starting at `first`, for the first `blocks`
+/// blocks.
 fn pass<const N: usize>(
     t: &Prepared,
     h: &Hypothesis,
@@ -305,14 +307,14 @@ fn pass<const N: usize>(
     Ok((columns, taken))
 }
 
-/// The model along a record.
+/// The simulation of a record.
 pub fn run<'a, R: Real>(t: &'a Prepared, setting: &'a Setting<R>, set: EffectSet) -> Run<'a, R> {
     let Setting { chamber, start, correction } = setting;
     let (course, relative_tolerance) = (&t.course, t.relative_tolerance);
     Run { chamber, set, start: *start, correction: *correction, course, relative_tolerance }
 }
 
-/// Times at which the blocks' means need the model.
+/// Times at which the model is needed for the blocks' means.
 pub fn points(blocks: &[Block]) -> Vec<f64> {
     let mut times = Vec::with_capacity(2 * blocks.len());
     for b in blocks {
@@ -339,10 +341,10 @@ pub fn all_blocks(data: &Data) -> Vec<usize> {
     data.traces.iter().map(|t| t.blocks.len()).collect()
 }
 
-/// The model's reading at every row of a record, Pa, for plain numbers.
+/// The model's reading at every row of a record, Pa, without derivatives.
 ///
 /// # Errors
-/// Where the state leaves what the equations can follow.
+/// Where the state leaves the range of the equations.
 pub fn readings<R: Scalar>(t: &Prepared, setting: &Setting<R>, set: EffectSet) -> Result<Vec<R>, IntegrationError> {
     run(t, setting, set).pressures(&t.time_s)
 }

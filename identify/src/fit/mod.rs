@@ -1,15 +1,15 @@
-//! All records of a rig at once: weighted least squares by Levenberg–Marquardt with bounds.
+//! Fit of all records of a rig together: weighted least squares by Levenberg–Marquardt with bounds.
 //!
-//! Minimises Σ v², v the whitened block residuals (`record::whiten`). The normal equations are bordered: each record's
-//! own numbers appear in its rows only and are eliminated record by record (`bordered`), so that the system solved has the size
-//! of the rig's numbers. Sensitivities are exact (dual numbers, in several passes where there are many). Records are simulated in
-//! parallel and summed in order: the same data gives the same bits on any number of threads.
+//! Minimises Σ v², v the whitened block residuals (`record::whiten`). The normal equations are bordered: per-record parameters
+//! appear only in the rows of their record and are eliminated record by record (`bordered`), so that the system to be solved has
+//! the size of the rig parameters. Sensitivities are exact (dual numbers, in several passes if there are many). Records are
+//! simulated in parallel and summed in order: the same data gives the same bits on any number of threads.
 //!
-//! What the rig states within a tolerance stays as stated in the fit. At its end the problem is linearised in those numbers
-//! too, with their priors: [`Fit::chi2`] is the sum of squares at the stated numbers, [`Fit::marginal`] that at the best
-//! numbers within the tolerances, their own squares included. The secondary parameters that the effects' cards state take part in
-//! the linearised problem too, for the intervals; in sums of squares they stay as stated, and where the records speak for others
-//! they are set free.
+//! Parameters that the rig states within a tolerance are fixed in the fit. At its end the problem is linearised in them too, with
+//! their priors: [`Fit::chi2`] is the sum of squares at the stated values, [`Fit::marginal`] that at the best values within the
+//! tolerances, including the squares of their moves. The secondary parameters stated by the effects' cards are part of the
+//! linearised problem too, for the intervals; in sums of squares they stay as stated, and where the records favour other values
+//! they are freed.
 
 pub(crate) mod bordered;
 pub mod covariance;
@@ -28,8 +28,7 @@ use linear::{linearise, linearise_in_all, total};
 use nalgebra::{DMatrix, DVector};
 use room::Room;
 
-/// Fits a hypothesis to the selected blocks, beginning from coordinates; where it does not converge, once more from where it
-/// stopped.
+/// Fits a hypothesis to the selected blocks, starting at these coordinates; continues once where the descent did not converge.
 ///
 /// # Errors
 /// [`Failure`].
@@ -43,7 +42,7 @@ pub fn fit(
     fit_until(data, hypothesis, rig, own, selection, Until::SETTLED)
 }
 
-/// The same until another end.
+/// The same with other stopping criteria.
 ///
 /// # Errors
 /// [`Failure`].
@@ -65,7 +64,7 @@ pub fn fit_until(
     finish(data, hypothesis, found, selection)
 }
 
-/// The sum of squares that the first step from these coordinates promises; `None` where the simulation fails.
+/// Sum of squares predicted after the first step from these coordinates; `None` where the simulation fails.
 pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64>]) -> Option<f64> {
     let linear = linearise(data, hypothesis, rig, own, &all_blocks(data), None).ok()?;
     let room = Room::around(hypothesis, &own_axes(data, hypothesis), rig, own);
@@ -73,7 +72,7 @@ pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64
     Some((total(&linear) - step.promised).max(0.0))
 }
 
-/// Σ of squares that the effects of a model which shift or smear records may take off by smoothing the stroke's noise alone.
+/// Sum of squares that a model's effects which shift or smear records may remove merely by smoothing the noise of the stroke.
 pub fn smoothed(data: &Data, model: &Model) -> f64 {
     match model.timings() {
         0 => 0.0,
@@ -81,7 +80,7 @@ pub fn smoothed(data: &Data, model: &Model) -> f64 {
     }
 }
 
-/// Linearises in everything at the solution.
+/// Linearises in all parameters at the solution.
 fn finish(data: &Data, hypothesis: &Hypothesis, found: Descent, selection: &Selection) -> Result<Fit, Failure> {
     let Descent { rig, own, iterations, converged, at, .. } = found;
     let linear = linearise_in_all(data, hypothesis, &rig, &own, selection, &at)?;
@@ -130,12 +129,12 @@ fn ambient_scatter(data: &Data, h: &Hypothesis, own: &[Vec<f64>]) -> f64 {
     (squares / deviations.len().max(1) as f64).sqrt()
 }
 
-/// What each record has for itself.
+/// The per-record parameters of each record.
 fn own_axes(data: &Data, hypothesis: &Hypothesis) -> Vec<Vec<Axis<Own>>> {
     data.traces.iter().map(|t| hypothesis.own_of(t)).collect()
 }
 
-/// Coordinates after a step, within their bounds.
+/// Coordinates after a step, clamped to their bounds.
 pub(crate) fn moved(x: &[f64], step: &[f64], bounds: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
     x.iter().zip(step).zip(bounds).map(|((x, step), [low, high])| (x + step).clamp(low, high)).collect()
 }

@@ -1,18 +1,18 @@
-//! How far a step may go in each coordinate: to the bounds of its number, and with a logarithm by a factor of e² at a time.
+//! Allowed range of a step in each coordinate: up to the parameter's bounds, and for logarithmic ones a factor of e² at most.
 
 use crate::parameters::{Axis, Hypothesis, Own};
 
-/// The least and the most that each coordinate may change.
+/// The smallest and the largest change of each coordinate.
 #[derive(Clone, Debug)]
 pub struct Room {
     /// Of the rig's coordinates.
     pub rig: Vec<[f64; 2]>,
-    /// Of each record's own.
+    /// Of each record's coordinates.
     pub own: Vec<Vec<[f64; 2]>>,
 }
 
 impl Room {
-    /// Around these coordinates of a hypothesis; `own_axes` are those of each record.
+    /// Range around these coordinates of a hypothesis; `own_axes` are the axes of each record.
     pub fn around(h: &Hypothesis, own_axes: &[Vec<Axis<Own>>], rig: &[f64], own: &[Vec<f64>]) -> Self {
         Self { rig: each(&h.axes, rig), own: own_axes.iter().zip(own).map(|(axes, own)| each(axes, own)).collect() }
     }

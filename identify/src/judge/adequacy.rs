@@ -1,8 +1,9 @@
-//! Is what a fit leaves no more than noise, or no more than anybody minds?
+//! Tests whether a fit leaves no more than noise, or no more than the requested accuracy.
 //!
-//! Two statistical tests against the recording's noise: the sum of squares of the whitened blocks, and, far sharper where
-//! the rest has a shape, the largest gain of any family of missing terms ([`crate::discrepancy`]): χ² with the family's
-//! rank. And a practical one: the systematic misfit ([`misfit`]) against the accuracy that the rig asks for. Either is enough.
+//! Two statistical tests against the recording's noise: the sum of squares of the whitened blocks, and, far more sensitive where
+//! the remainder has a shape, the largest gain of any family of missing terms ([`crate::discrepancy`]): χ² with the family's
+//! rank. One practical test: the systematic misfit ([`misfit`]) against the rig's accuracy. Passing the first two or the third is
+//! enough.
 
 use crate::discrepancy::{Families, Missing};
 use crate::fit::Fit;
@@ -13,16 +14,16 @@ use crate::policy::{
 use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// What the tests say.
+/// Results of the tests.
 #[derive(Clone, Debug)]
 pub struct Adequacy {
-    /// Whether the residual is no more than noise.
+    /// Whether the residual is only noise.
     pub is_noise: bool,
     /// Systematic misfit, Pa.
     pub systematic_pa: f64,
-    /// Whether that is no more than the accuracy asked for.
+    /// Whether that is less than the requested accuracy.
     pub is_good_enough: bool,
-    /// Sum of squares of whitened blocks above its expectation, in standard deviations.
+    /// Sum of squares of the whitened blocks minus its expectation, in standard deviations.
     pub squares_deviations: f64,
     /// Probability of the best family's gain under noise.
     pub family_probability: f64,
@@ -37,7 +38,7 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     families.sort_by(|a, b| probability(a).total_cmp(&probability(b)).then(b.gain.total_cmp(&a.gain)));
     let family_probability = families.first().map_or(1.0, probability);
     let mut systematic_pa = misfit::systematic(data, &misfit::residuals(data, fit));
-    // Stated numbers may move within their tolerances, not anywhere; waves of the positions go no farther than they are believed.
+    // Stated parameters may move within their tolerances only; position waves are already limited by the fit.
     if fit.moved_from_stated().all(|(axis, moved)| axis.slot.is_wave() || moved.abs() < TOLERANCES) {
         systematic_pa = systematic_pa.min(misfit::systematic(data, &misfit::residuals_moved(data, fit)));
     }
@@ -51,7 +52,7 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
     }
 }
 
-/// Sum of squares of a fit's whitened blocks above its expectation, in standard deviations.
+/// Sum of squares of a fit's whitened blocks minus its expectation, in standard deviations.
 fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
     let own: usize = fit.own.iter().map(Vec::len).sum();
     let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
@@ -59,41 +60,41 @@ fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
     (squares - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt()
 }
 
-/// Whether the sum of a fit's squares is no more than that of noise: the part of the test that costs nothing.
+/// Whether a fit's sum of squares is no more than noise: the part of the test that costs nothing.
 pub fn has_squares_of_noise(data: &Data, fit: &Fit) -> bool {
     are_squares_of_noise(data, fit, fit.marginal)
 }
 
-/// Whether so many squares of a fit's whitened blocks are no more than those of noise.
+/// Whether this sum of squares of a fit's whitened blocks is no more than noise.
 pub fn are_squares_of_noise(data: &Data, fit: &Fit, squares: f64) -> bool {
     squares_deviations(data, fit, squares) < SQUARES_DEVIATIONS
 }
 
 impl Adequacy {
-    /// Whether the model will do: what remains is noise, or nobody minds it.
+    /// Whether the model is adequate: what remains is noise, or less than the accuracy.
     pub fn is_adequate(&self) -> bool {
         self.is_noise || self.is_good_enough
     }
 
-    /// Whether a systematic misfit of so many Pa before is accounted for: adequate, or next to nothing beside it.
+    /// Whether an earlier systematic misfit of `before_pa` is accounted for: adequate, or next to nothing of it remains.
     pub fn settles(&self, before_pa: f64) -> bool {
         self.is_adequate() || self.is_next_to_nothing(before_pa)
     }
 
-    /// Whether it explains a systematic misfit of so many Pa before: noise remains, or next to nothing beside that, or little that is
-    /// good enough. To be good enough alone is not enough: a remainder with a shape that is a good part of what there was says that
-    /// something else is at work, which the named effects may imitate.
+    /// Whether it explains an earlier systematic misfit of `before_pa`: noise remains, or next to nothing of that misfit, or
+    /// little of it that is good enough. Good enough alone does not suffice: a structured remainder that is a large part of the
+    /// earlier misfit shows that something else is at work, which the named effects may imitate.
     pub fn explains(&self, before_pa: f64) -> bool {
         let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
         self.is_noise || self.is_next_to_nothing(before_pa) || is_little
     }
 
-    /// Whether what is left beside a systematic misfit of so many Pa before has a shape, beyond doubt, that noise has not.
+    /// Whether more than next to nothing remains of a systematic misfit of `before_pa`, with a shape that is certainly not noise.
     pub fn has_plain_shape(&self, before_pa: f64) -> bool {
         !self.is_noise && !self.is_next_to_nothing(before_pa) && self.family_probability < PLAIN_SHAPE
     }
 
-    /// Whether what is left is next to nothing beside a systematic misfit of so many Pa before.
+    /// Whether next to nothing remains of an earlier systematic misfit of `before_pa`.
     pub fn is_next_to_nothing(&self, before_pa: f64) -> bool {
         self.systematic_pa < NEXT_TO_NOTHING * before_pa
     }
@@ -124,7 +125,7 @@ mod tests {
         assert_eq!(judged(left(8.0, false)), (true, true));
         assert_eq!(judged(left(1.5, false)), (true, true));
         assert_eq!(judged(left(30.0, false)), (false, false));
-        // What has a plain shape is something else, unless it is next to nothing.
+        // A plain shape means something else, unless next to nothing remains.
         let is_plain = |left: Adequacy| Adequacy { family_probability: 1e-25, ..left }.has_plain_shape(100.0);
         assert_eq!([is_plain(left(8.0, false)), is_plain(left(1.5, false))], [true, false]);
         assert!(!left(8.0, false).has_plain_shape(100.0));

@@ -1,8 +1,7 @@
-//! Whether a recording fault that each record has for itself is one: repeats of one test agree in it no better than different
-//! tests do.
+//! Whether a per-record recording fault really is one: it is not if repeats of a test agree in it better than different tests do.
 //!
-//! A gauge's zero or a trigger's delay knows nothing of the test that is recorded. Where it follows the kind of test (pressure,
-//! stroke, direction), something of the rig stands behind it. Analysis of variance in one direction: with m records of k kinds,
+//! A gauge's zero or a trigger's delay does not depend on which test is recorded. If it follows the kind of test (pressure,
+//! stroke, direction), a property of the rig causes it. One-way analysis of variance: with m records of k kinds,
 //! F = [Σ nᵢ (x̄ᵢ − x̄)²/(k − 1)] / [Σ (xᵢⱼ − x̄ᵢ)²/(m − k)], e.g. Montgomery, Design and Analysis of Experiments (2012), 3.3.
 
 use crate::fit::Fit;
@@ -12,9 +11,8 @@ use crate::policy;
 use crate::record::data::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Whether some effect that the records have for themselves, or the temperature that the wall begins with, follows the kind of test, beyond
-/// what their noise allows. The stated numbers are where the records ask for them: what these are off by makes all records of a kind
-/// differ alike.
+/// Whether a per-record effect, or the wall's initial temperature, follows the kind of test by more than noise allows. The stated
+/// parameters are at the values that the records favour: their errors make all records of a kind differ alike.
 pub fn follows_the_test(data: &Data, fit: &Fit) -> bool {
     let axes: Vec<Vec<Axis<Own>>> = data.traces.iter().map(|t| fit.hypothesis.own_of(t)).collect();
     // Every record has these.
@@ -46,13 +44,13 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// Largest less smallest mean of a kind.
+/// Largest minus smallest mean of the kinds.
 fn span_of_means(kinds: &[Vec<f64>]) -> f64 {
     let means = || kinds.iter().filter(|kind| !kind.is_empty()).map(|kind| mean(kind));
     means().fold(f64::NEG_INFINITY, f64::max) - means().fold(f64::INFINITY, f64::min)
 }
 
-/// Probability of so large an F where the kinds do not differ; `None` without two kinds and a repeat.
+/// Probability of an F this large if the kinds do not differ; `None` without two kinds and a repeat.
 fn one_way(kinds: &[Vec<f64>]) -> Option<f64> {
     let kinds: Vec<&Vec<f64>> = kinds.iter().filter(|kind| !kind.is_empty()).collect();
     let records: usize = kinds.iter().map(|kind| kind.len()).sum();
@@ -79,7 +77,7 @@ mod tests {
     use crate::synthetic::{Outside, Recipe};
     use chamber::effects::SensorDrift;
 
-    /// Whether the drifts and initial temperatures of single records follow the test, where a fit has them.
+    /// Whether per-record drifts and initial temperatures, if fitted, follow the test.
     fn drifts_follow(recipe: &Recipe) -> bool {
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let drift = SensorDrift::SET;

@@ -1,13 +1,13 @@
-//! The error on data that took no part in the fit, Pa rms: repeats left out in turn; without repeats, records left out in turn, in
-//! four groups at most; of a single record the last third, simulated on from its beginning.
+//! Error on data that took no part in the fit, Pa rms: repeats left out in turn; without repeats, records left out in turn, in at
+//! most four groups; for a single record the last third, simulated from the record's start.
 //!
-//! What is left out of several records are whole ones, since the last third of a long hold shows nothing of an effect that acts
-//! in moves only.
+//! From several records, whole ones are left out: the last third of a long hold shows nothing of an effect that acts only in
+//! moves.
 //!
-//! A left-out record brings its own initial pressure (and temperature, where it starts in motion): no row is judged by
-//! what it helped to find, but each half of a record's rows, in alternating runs, with the numbers of its own that the other
-//! half asks for, given what is known of them beforehand. The mean before the first move alone would be a few rows' noise, several
-//! times as large after a push.
+//! A left-out record has its own initial pressure (and temperature, if it starts in motion). No row is judged with values that
+//! were fitted to it: the rows are split into two halves of alternating runs, and each half is judged with the per-record
+//! parameters fitted to the other, given their priors. The mean before the first move alone would carry the noise of a few rows,
+//! several times larger after a push.
 
 use crate::fit::{self, Fit, Until, readings};
 use crate::judge::misfit;
@@ -24,14 +24,14 @@ use records::extremes;
 pub struct Fold {
     /// Leading blocks of each trace that are fitted.
     pub selection: Vec<usize>,
-    /// Rows of each trace that are judged: from this row on (all rows: 0; none: the trace's length).
+    /// First judged row of each trace (0: all rows; the trace's length: none).
     pub judged_from: Vec<usize>,
 }
 
-/// The folds of a rig: each repeat of all experiments in turn; without repeats each record in turn; of a single record the last
+/// The folds of a rig: each repeat of all experiments in turn; without repeats each record in turn; for a single record the last
 /// third.
 pub fn folds(data: &Data) -> Vec<Fold> {
-    /// Records are left out several at a time, so that there are not more folds than this.
+    /// Records are left out in groups, so that there are no more folds than this.
     const MOST_FOLDS: usize = 4;
     let repeats = data.traces.iter().map(|t| t.repeat).max().unwrap_or(0) + 1;
     if repeats > 1 {
@@ -53,16 +53,16 @@ pub fn folds(data: &Data) -> Vec<Fold> {
     }]
 }
 
-/// Whether the records that are fitted beside those left out tell what these show: repeats of them, or enough others. What one
-/// or two records leave open of an effect is no fault of it where the next one shows it.
+/// Whether the fitted records cover what the left-out ones show: repeats of them, or enough others. It is no fault of an effect
+/// if one or two records leave open what the next one shows.
 pub fn are_representative(data: &Data) -> bool {
-    /// From so many records on each has enough others.
+    /// With this many records each has enough others.
     const FEWEST_RECORDS: usize = 4;
     data.traces.len() >= FEWEST_RECORDS || data.traces.iter().any(|t| t.repeat > 0)
 }
 
-/// Each experiment left out whole, several at a time where there are many: what a term without a name has to predict. With a
-/// single experiment as [`folds`].
+/// Leaves out each experiment whole, several at a time if there are many: what an unnamed term has to predict. For a single
+/// experiment the same as [`folds`].
 pub fn by_experiment(data: &Data) -> Vec<Fold> {
     const MOST_FOLDS: usize = 5;
     let folds = data.experiments.len().min(MOST_FOLDS);
@@ -72,7 +72,7 @@ pub fn by_experiment(data: &Data) -> Vec<Fold> {
     (0..folds).map(|fold| without(data, |_, t| t.experiment % folds == fold)).collect()
 }
 
-/// Records left out whole, all of them judged. One that is not like its repeats has no part to be judged.
+/// Leaves out whole records and judges all their rows. A record unlike its repeats is never judged.
 fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
     let is_out = |k: usize, t: &Prepared| t.readout.unlike_others.is_none() && out(k, t);
     let kept = data.traces.iter().enumerate().map(|(k, t)| (t, !is_out(k, t)));
@@ -81,30 +81,31 @@ fn without(data: &Data, out: impl Fn(usize, &Prepared) -> bool) -> Fold {
     Fold { selection, judged_from }
 }
 
-/// The error on data that took no part in the fit, Pa rms.
+/// Error on data that took no part in the fit, Pa rms.
 #[derive(Clone, Copy, Debug)]
 pub struct HeldOut {
-    /// Over all judged rows alike: what is reported, and compared with the error on the data of the fit.
+    /// Over all judged rows with equal weight: the reported one, which is compared with the error on the fitted data.
     pub rmse_pa: f64,
-    /// The same with of each row's square the share that noise has in it, beside what the positions leave open. The course between
-    /// the few rows of a fast move makes errors that no model takes away, and that hide what it does elsewhere.
+    /// The same with each row's square weighted by the noise's fraction of its variance, the rest being due to the positions. The
+    /// unknown course between the few rows of a fast move makes errors that no model removes and that hide what a model does
+    /// elsewhere.
     pub weighed_pa: f64,
 }
 
 impl HeldOut {
-    /// Whether it is smaller than another one by more than this, Pa rms, in one of its two forms.
+    /// Whether, in one of its two forms, its square is smaller than the other's by more than that of `by_pa`, Pa rms.
     pub fn is_less(&self, than: &Self, by_pa: f64) -> bool {
         let by = |ours: f64, theirs: f64| theirs * theirs - ours * ours > by_pa * by_pa;
         by(self.rmse_pa, than.rmse_pa) || by(self.weighed_pa, than.weighed_pa)
     }
 
-    /// Whether it is larger than another one by more than this, Pa rms, where rows count as much as they tell.
+    /// Whether, in the weighted form, its square is larger than the other's by more than that of `by_pa`, Pa rms.
     pub fn is_more(&self, than: &Self, by_pa: f64) -> bool {
         self.weighed_pa.powi(2) - than.weighed_pa.powi(2) > by_pa * by_pa
     }
 }
 
-/// Sums of squares of an error over rows, Pa²: all alike, and weighed.
+/// Sums of squared errors over rows, Pa²: unweighted and weighted.
 #[derive(Clone, Copy, Default)]
 struct Squares {
     sum: f64,
@@ -155,17 +156,18 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
     all.held_out()
 }
 
-/// A fit to what a fold leaves in, from the numbers that the fit to all has. What the rig states has no part in a prediction. One descent
-/// does: along a narrow valley another would creep on without predicting better.
+/// Fits what a fold keeps, starting from the fit to all records. Stated parameters have no part in a prediction. A single descent
+/// is enough: along a narrow valley another one would creep on without predicting better.
 fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
     let h = Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
     let (rig, own) = (fitted.rig.clone(), fitted.own.clone());
     fit::fit_until(data, &h, rig, own, &fold.selection, Until::ONE_DESCENT).ok()
 }
 
-/// What records left out whole add to a fit's sum of squares, for each of their blocks less their own numbers, over what the others
-/// have for each of theirs: one where these predict them, however far off that leaves the prediction for want of data. `None` where
-/// parts of records are left out, or a fold cannot be fitted. Source: G. C. Chow, Econometrica 28 (1960) 591.
+/// Returns the squares that records left out whole add to a fit's sum of squares, per degree of freedom (their blocks less their
+/// per-record parameters), over those of the other records per degree of freedom: one where the others predict them, however
+/// uncertain that prediction is for lack of data. `None` where parts of records are left out, or a fold cannot be fitted. Source:
+/// G. C. Chow, Econometrica 28 (1960) 591.
 pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     let own = |k: &usize| fitted.own[*k].len();
     let (mut added, mut others) = ([0.0; 2], [0.0; 2]);
@@ -184,7 +186,7 @@ pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
     Some(mean(added) / mean(others))
 }
 
-/// A left-out record's residual by row, Pa, each half of them with the record's own numbers that the other half asks for.
+/// Residual of a left-out record by row, Pa, each half with the per-record parameters fitted to the other half.
 fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     let own = own_numbers(data, fitted, k)?;
     match own.len() {
@@ -200,13 +202,13 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
     let variables: Vec<Dual<N>> = own.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
     let rig: Vec<Dual<N>> = fitted.rig.iter().map(|x| Dual::from(*x)).collect();
     let model = readings(t, &h.setting(t, &rig, &[], &variables), h.model.effects).ok()?;
-    // Runs longer than the noise remembers, but several of them in each half.
+    // Runs longer than the correlation of the noise, but several of them in each half.
     let memory = (4.0 * data.noise.correlation_s() / t.row_s()) as usize;
     let length = RUN.max(memory).min(t.time_s.len() / 8).max(1);
     let values: Vec<f64> = model.iter().map(|m| m.value).collect();
     let half = alternating(&values, length);
     let variance = data.noise.total_pa().powi(2);
-    // Close to the best the readings are linear in the record's own numbers: one step each.
+    // Close to the optimum the readings are linear in the per-record parameters: one step suffices.
     let steps: Option<Vec<SVector<f64, N>>> = (0..2)
         .map(|other| {
             let (mut square, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
@@ -235,14 +237,14 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
     Some((0..model.len()).map(left).collect())
 }
 
-/// Rows of a run at the least, where the pressure hardly changes.
+/// Minimum rows of a run where the pressure hardly changes.
 const RUN: usize = 16;
-/// Runs that the whole range of a record's pressure makes: eight of each half in a move through it, so that each half knows
-/// when the move was.
+/// Number of runs in a move through the whole range of a record's pressure: eight in each half, so that each half determines when
+/// the move took place.
 const RUNS_IN_RANGE: f64 = 16.0;
 
-/// To which of two halves each row belongs, in alternating runs: of so many rows, or fewer where the pressure of the model
-/// changes fast. What a record's delay or average does shows in its moves, of which each half has to see its part.
+/// Assigns each row to one of two halves in alternating runs: of `rows` rows, or fewer where the model's pressure changes fast. A
+/// record's delay or average shows in its moves, so each half needs part of every move.
 fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
     let (low, high) = extremes(model);
     let change = ((high - low) / RUNS_IN_RANGE).max(f64::MIN_POSITIVE);
@@ -259,7 +261,7 @@ fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
         .collect()
 }
 
-/// A record's own numbers from all of it, the rig's held.
+/// Per-record parameters fitted to the whole record, with the rig's held.
 fn own_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     let mut held = fitted.hypothesis.clone();
     held.base = fitted.chamber();
@@ -268,7 +270,7 @@ fn own_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     own_fit(data, &held, k, usize::MAX).ok().map(|mut fit| fit.own.swap_remove(k))
 }
 
-/// A fit of one record's own numbers to its rows before `until`; the hypothesis leaves nothing of the rig free.
+/// Fits one record's parameters to its rows before `until`; the hypothesis leaves no rig parameter free.
 ///
 /// # Errors
 /// Where the simulation fails at the very start.
@@ -278,7 +280,7 @@ pub fn own_fit(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result
         .map(|i| if i == k { t.blocks.iter().filter(|b| b.end <= until).count() } else { 0 })
         .collect();
     let mut first = held.first_owns(data);
-    // The initial pressure that the rest asks for is where to begin.
+    // Start from the initial pressure that matches the rest.
     if let Some(begin) = from_rest(t, held, &first[k]) {
         let place = held.own_of(t).iter().position(|a| a.slot == Own::Pressure);
         place.into_iter().for_each(|i| first[k][i] = begin);
@@ -286,7 +288,7 @@ pub fn own_fit(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result
     fit::fit(data, held, Vec::new(), first, &selection).map_err(|(_, source)| source)
 }
 
-/// The initial pressure, over its first guess, with which the model's mean over the rest is the measured one.
+/// Initial pressure, relative to its first guess, for which the model's mean over the rest equals the measured one.
 fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
     let run = fit::run(t, &held.setting(t, &[], &[], own), held.model.effects).pressures(&t.time_s[..rest]).ok()?;
@@ -340,7 +342,7 @@ mod tests {
         };
         let of_cause = added(&recipe, &["leakage"]).unwrap();
         assert!((0.9..1.1).contains(&of_cause), "{of_cause}");
-        // Of single records each shows what the others do not.
+        // Without repeats each record shows what the others do not.
         recipe.repeats = 1;
         let [of_cause, of_none] = [&["leakage"][..], &[]].map(|names| added(&recipe, names).unwrap());
         assert!((0.8..1.2).contains(&of_cause) && of_none > 1.3, "{of_cause} {of_none}");
@@ -356,7 +358,7 @@ mod tests {
         let HeldOut { rmse_pa, weighed_pa } = error(&data, &paper, &folds(&data)).unwrap();
         let noise_pa = data.noise.total_pa();
         assert!(rmse_pa > 1.3 * noise_pa && weighed_pa < 1.1 * noise_pa, "{rmse_pa} {weighed_pa}, noise {noise_pa}");
-        // A held piston that is well known leaves nothing open.
+        // A held piston at a well-known position leaves nothing uncertain.
         recipe.position_noise_m = 0.0;
         let (data, _) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let t = &data.traces[0];

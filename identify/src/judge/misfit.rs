@@ -1,10 +1,10 @@
-//! What a fit leaves, in Pa: all of it, and the part that is systematic.
+//! Residuals of a fit, in Pa: their total, and the systematic part.
 //!
-//! The systematic part is what remains beyond noise. Where an experiment has repeats it is what their residuals have in
-//! common, √(mean of products), less what the rounding of their positions may have; elsewhere, and in a record that the model misses by
-//! far more than noise, √(rms² − variance expected of noise and position). Readings that stick to a step are those of a model within half
-//! of it: what lies beyond tells how far it is off. Source: lack of fit and pure error, e.g. Draper and Smith, Applied Regression
-//! Analysis (1998), chapter 2.
+//! The systematic part is what remains beyond noise. Where an experiment has repeats, it is what their residuals have in common,
+//! √(mean of products), less what the rounding of their positions may contribute. Elsewhere, and in a record where the model errs
+//! by far more than noise, it is √(rms² − variance expected from noise and position). Readings that stick to a step are those of
+//! a model within half a step: what lies beyond tells how far it is off. Source: lack of fit and pure error, e.g. Draper and
+//! Smith, Applied Regression Analysis (1998), chapter 2.
 
 use crate::fit::{Fit, readings};
 use crate::parameters::Setting;
@@ -21,20 +21,20 @@ use std::f64::consts::PI;
 /// Row residuals (measured − model) of one record, Pa.
 ///
 /// # Errors
-/// Where the model cannot follow the record.
+/// Where the simulation of the record fails.
 pub fn of_record(t: &Prepared, setting: &Setting<f64>, set: EffectSet) -> Result<Vec<f64>, IntegrationError> {
     let model = readings(t, setting, set)?;
     Ok(t.pressure_pa.iter().zip(model).map(|(y, m)| y - m).collect())
 }
 
-/// Row residuals, Pa, record by record; no numbers where the model cannot follow.
+/// Row residuals, Pa, record by record; NaN where the simulation fails.
 pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
     each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.own[k]))
 }
 
-/// The same with what the rig states moved within its tolerances, where the fit asks for it.
+/// The same with the stated parameters moved within their tolerances, as the fit favours.
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
-    // The rig's free numbers and the record's own adapt with the stated ones: to first order, from the normal equations.
+    // The free rig and per-record parameters adapt to the stated ones, to first order from the normal equations.
     each_record(data, fit, |k| {
         fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.own_moved(data, k))
     })
@@ -49,41 +49,41 @@ fn each_record(data: &Data, fit: &Fit, setting: impl Fn(usize) -> Setting<f64> +
         .collect()
 }
 
-/// Σ of squares of a residual over the rows that are data, from a row on, and their number.
+/// Sum of squared residuals over the data rows starting at row `from`, and their number.
 pub fn squares(t: &Prepared, residual: &[f64], from: usize) -> (f64, usize) {
     let rows = (from..residual.len()).filter(|&i| t.readout.is_data(i));
     rows.fold((0.0, 0), |(sum, n), i| (sum + residual[i] * residual[i], n + 1))
 }
 
-/// Root mean square over all rows that are data, Pa.
+/// Root mean square over all data rows, Pa.
 pub fn rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     let each = data.traces.iter().zip(residuals).map(|(t, residual)| squares(t, residual, 0));
     let (sum, rows) = each.fold((0.0, 0), |(sum, rows), (s, n)| (sum + s, rows + n));
     (sum / rows.max(1) as f64).sqrt()
 }
 
-/// The same with of each row's square the share that noise has in what is expected of it: see [`weights`].
+/// The same with each row's square weighted: see [`weights`].
 pub fn weighed_rms(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     rms(data, &data.traces.iter().zip(residuals).map(|(t, residual)| weighed(data, t, residual)).collect::<Vec<_>>())
 }
 
-/// The same of one record.
+/// The same for one record.
 pub fn weighed_rms_of(data: &Data, t: &Prepared, residual: &[f64]) -> f64 {
     let (sum, rows) = squares(t, &weighed(data, t, residual), 0);
     (sum / rows.max(1) as f64).sqrt()
 }
 
-/// A record's residual, each row times the root of what it counts.
+/// A record's residual, each row times the root of its weight.
 fn weighed(data: &Data, t: &Prepared, residual: &[f64]) -> Vec<f64> {
     residual.iter().zip(weights(data, t)).map(|(r, weight)| r * weight.sqrt()).collect()
 }
 
-/// Whether a record's residual, weighed like that, is far more than noise: then something is wrong with it, or with the model in it.
+/// Whether a record's weighted residual is far more than noise: then the record, or the model of it, is faulty.
 fn is_far_beyond_noise(data: &Data, t: &Prepared, residual: &[f64]) -> bool {
     weighed_rms_of(data, t, residual) > FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa())
 }
 
-/// The systematic part, Pa.
+/// The systematic misfit, Pa.
 pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
     let [mut held, mut moving] = [(0.0, 0.0); 2];
     for experiment in 0..data.experiments.len() {
@@ -101,7 +101,7 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
             for (segment, s) in t.course.motion.segments.iter().enumerate() {
                 let rows = (s.end - s.first) as f64;
                 let mean = match shared.get(segment).copied().flatten().filter(|_| !alone) {
-                    // Repeats that are held at one place share the error of its rounding.
+                    // Repeats held at the same place share its rounding error.
                     Some(shared) if shared > 0.0 => (shared - by_rounding(t, segment)).max(0.0),
                     Some(shared) => shared,
                     None => beyond_noise(data, t, &residuals[k], segment),
@@ -112,18 +112,18 @@ pub fn systematic(data: &Data, residuals: &[Vec<f64>]) -> f64 {
             }
         }
     }
-    // Repeats that begin at one level share the error of its rounding, too.
+    // Repeats that start at the same level share its rounding error, too.
     let beyond = beyond_steps(data, residuals).map(|mean| mean * held.1);
     let of_held = beyond.filter(|beyond| held.0 > *beyond).unwrap_or(held.0);
-    // What the position leaves open in a move is an upper limit: it must not make up for what holds leave.
+    // The contribution of the position in a move is an upper limit: it must not offset what holds leave.
     let mean = (of_held + f64::max(moving.0, 0.0)) / f64::max(held.1 + moving.1, 1.0);
-    // A residual that is no number is not small.
+    // A NaN residual is not small.
     if mean.is_finite() { mean.max(0.0).sqrt() } else { f64::INFINITY }
 }
 
-/// Square of the systematic misfit in rests and holds that readings show which stick to a step, Pa²; nothing of others. Of a right model
-/// only noise is farther from such a reading than half a step s: of a standard deviation σ a mean square of 4σ³/(3s√(2π)). A model that
-/// is off by b leaves b³/(3s) more.
+/// Square of the systematic misfit in rests and holds for readings that stick to a step, Pa²; `None` for others. A correct model
+/// is farther from such a reading than half a step s only because of noise, which gives a mean square excess of 4σ³/(3s√(2π)), σ
+/// the standard deviation. A model that is off by b adds b³/(3s).
 fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
     if !data.noise.sticks {
         return None;
@@ -140,7 +140,7 @@ fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
     Some(off_pa.powi(2))
 }
 
-/// Mean product of the residuals of different repeats at the same place of a segment, Pa².
+/// Mean product of the residuals of different repeats at corresponding rows of a segment, Pa².
 fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segment: usize) -> f64 {
     let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
     let rows = repeats::data_beside_each_other(&traces, segment);
@@ -157,14 +157,14 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segme
     sum / f64::max(pairs, 1.0)
 }
 
-/// Variance that the rounding of a held piston's position leaves of the pressures of a segment, Pa².
+/// Pressure variance in a segment due to the rounding of the held piston's position, Pa².
 fn by_rounding(t: &Prepared, segment: usize) -> f64 {
     let own = t.blocks.iter().filter(|b| b.segment == segment);
     let (sum, rows) = own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.by_rounding_pa.powi(2), n + b.rows));
     sum / rows.max(1) as f64
 }
 
-/// Mean square of a segment's residual less what noise and position leave open, Pa².
+/// Mean square of a segment's residual less the variance due to noise and position, Pa².
 fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> f64 {
     let noise = data.noise.total_pa().powi(2);
     let (mut sum, mut rows) = (0.0, 0usize);
@@ -177,7 +177,7 @@ fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> 
     sum / rows.max(1) as f64
 }
 
-/// Variance that the positions leave of the pressure at a row of a block, Pa².
+/// Variance of the pressure at a row of a block due to the positions, Pa².
 fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
     let (low, high) = (row.saturating_sub(1), (row + 1).min(t.pressure_pa.len() - 1));
     let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
@@ -186,7 +186,7 @@ fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
     b.by_position_pa.powi(2) + common + (rate * shift_s).powi(2)
 }
 
-/// What each row of a record counts, from 0 to 1: the noise's share of the variance that the positions leave of it too.
+/// Weight of each row of a record, from 0 to 1: the noise's fraction of its variance, the rest being due to the positions.
 pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
     let noise = data.noise.total_pa().powi(2);
     let mut out = vec![1.0; t.pressure_pa.len()];
@@ -226,13 +226,13 @@ mod tests {
         let mut residuals = residuals(&data, &fit);
         let noise_pa = data.noise.total_pa();
         let systematic_pa = systematic(&data, &residuals);
-        // In its hold alone, as moves are judged record by record.
+        // In its hold only, as moves are judged record by record.
         let hold = data.traces[4].course.motion.segments.last().unwrap().first..residuals[4].len();
         let mut wave = |size: f64| {
             hold.clone().for_each(|row| residuals[4][row] += size * noise_pa * (0.03 * row as f64).sin());
             systematic(&data, &residuals)
         };
-        // Noise of a kind that is not known yet, and what is none.
+        // A wave that may be noise of an unknown kind, and one that is not noise.
         let [small_pa, large_pa] = [wave(2.0), wave(8.0)];
         assert!((small_pa - systematic_pa).abs() < data.accuracy_pa(), "{small_pa} {systematic_pa}");
         let rows = hold.len() as f64 / data.traces.iter().map(|t| t.time_s.len()).sum::<usize>() as f64;

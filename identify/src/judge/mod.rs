@@ -1,4 +1,4 @@
-//! How much a fit is worth: evidence, the error on data left out, what remains, contradictions that only a fit shows.
+//! Assessment of a fit: evidence, error on left-out data, remaining misfit, contradictions that only a fit shows.
 
 pub(crate) mod adequacy;
 pub(crate) mod evidence;

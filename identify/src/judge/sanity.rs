@@ -1,6 +1,6 @@
-//! Contradictions that only a fit shows: a heat transfer coefficient that no gas in a cylinder has, a dead volume far below zero,
-//! gauge pressure taken for absolute or absolute for gauge, and gauge pressure in another unit than declared. Pressures in Pa, volumes
-//! in m³, coefficients in W/(m² K).
+//! Contradictions that only a fit shows: an implausible heat transfer coefficient, a clearly negative dead volume, gauge pressure
+//! declared absolute or the reverse, and gauge pressure in another unit than declared. Pressures in Pa, volumes in m³,
+//! coefficients in W/(m² K).
 
 use crate::error::Error;
 use crate::fit::covariance::covariance;
@@ -11,8 +11,8 @@ use crate::record::data::Data;
 use crate::record::unit;
 use rayon::prelude::*;
 
-/// Refuses a dead volume that is negative by more than its interval and a twentieth of the smallest swept volume, or what the
-/// tolerance of the position's zero makes of it where that is more.
+/// Refuses a dead volume that is negative and at its bound, or below zero by more than its interval plus the larger of a
+/// twentieth of the smallest swept volume and what three tolerances of the position zero make of it.
 pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let h = &fitted.hypothesis;
     let Some(i) = h.axes.iter().position(|a| a.slot == Slot::DeadVolume) else { return Ok(()) };
@@ -28,8 +28,8 @@ pub fn dead_volume(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Ok(())
 }
 
-/// Refuses a heat transfer coefficient that no gas in a cylinder has, in the model that is settled on: a lag or a delay that the
-/// model does not have yet can make it anything.
+/// Refuses an implausible heat transfer coefficient in the final model: while a lag or delay is missing from the model, it can
+/// take any value.
 pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     if has_plausible_coefficient(fitted) {
         return Ok(());
@@ -39,17 +39,17 @@ pub fn coefficient(data: &Data, fitted: &Fit) -> Result<(), Error> {
     Err(Error::ImplausibleCoefficient { coefficient: chamber.heat_transfer.coefficient, time_constant_s })
 }
 
-/// Whether a gas in a cylinder can have the heat transfer coefficient of a fit.
+/// Whether a fit's heat transfer coefficient is plausible for a gas in a cylinder.
 pub fn has_plausible_coefficient(fitted: &Fit) -> bool {
     policy::PLAUSIBLE_COEFFICIENT.contains(&fitted.chamber().heat_transfer.coefficient)
 }
 
-/// Refuses gauge pressure that is declared absolute, absolute pressure that is declared gauge, and gauge pressure in another unit
-/// than declared: adding the right pressure to every reading takes away nine tenths of the misfit, and the one that fits best is
-/// that within a seventh.
+/// Refuses gauge pressure declared absolute, absolute pressure declared gauge, and gauge pressure in another unit than declared:
+/// where adding the right offset to every reading removes nine tenths of the misfit, and the best-fitting offset agrees with it
+/// within 15 %.
 ///
-/// Gauge pressures r times as large as they are, with r times the pressure of the surroundings added, are the absolute pressures
-/// times r, which a model fits as well as these.
+/// Gauge pressures that are r times too large, with r times the ambient pressure added, are r times the absolute pressures, which
+/// a model fits just as well.
 pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     const SHARE_LEFT: f64 = 0.1;
     const NEARLY: f64 = 0.15;
@@ -63,7 +63,7 @@ pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let beyond_noise = fitted.chi2 - fitted.blocks as f64;
     let sign = if data.gauge_pressures { -1.0 } else { 1.0 };
     let tried = [Shift { offset_pa: sign * ambient_pa, unit: None }].into_iter().chain(other_units(data));
-    // Readings that would be below vacuum are not so.
+    // Readings cannot be below vacuum.
     let tried: Vec<Shift> = tried.filter(|shift| data.lowest_pressure_pa() + shift.offset_pa > 0.0).collect();
     let corrected = tried.into_par_iter().map(|shift| (misfit(shift.offset_pa), shift));
     let Some((corrected, shift)) = corrected.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
@@ -91,17 +91,17 @@ pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     })
 }
 
-/// What is added to every reading, and the declared and the other unit that this stands for.
+/// Offset added to every reading, with the declared unit and the other one that it implies.
 struct Shift {
     offset_pa: f64,
     unit: Option<(&'static str, &'static str)>,
 }
 
-/// Units that would make pressures of compressed air of gauge pressures.
+/// Units in which the gauge pressures would be those of compressed air.
 fn other_units(data: &Data) -> impl Iterator<Item = Shift> {
-    /// A test that goes less far above the surroundings, as a ratio, hardly tells a unit.
+    /// Smallest ratio of highest to ambient pressure: a test below it hardly tells the unit.
     const LEAST_RISE: f64 = 1.2;
-    /// A compression goes so many times beyond the pressures of rests.
+    /// Factor by which a compression may exceed the pressures of rests.
     const COMPRESSION: f64 = 2.0;
     let (ambient_pa, highest_pa) = (data.ambient_pressure_pa, data.highest_pressure_pa());
     let declared = data.pressure_unit.filter(|_| data.gauge_pressures);

@@ -1,8 +1,8 @@
-//! How far a record's own number may lie from the bound at which it fits best.
+//! Interval of a per-record parameter that fits best at a bound.
 //!
-//! A model depends on a short averaging window by its square: at zero its sensitivity is zero, and an interval from that would be
-//! what was assumed beforehand. The interval therefore ends where the sum of squares, the prior among them, is larger by as much as
-//! at the end of a usual one, with the record's other numbers fitted anew (profile likelihood).
+//! A model depends on a short averaging window quadratically: at zero its sensitivity is zero, and an interval from that would
+//! just be that of the prior. The interval therefore ends where the sum of squares, including the prior, has grown by as much as
+//! at the end of a usual one, with the record's other parameters refitted (profile likelihood).
 
 use crate::fit::Fit;
 use crate::fit::covariance::NORMAL_95;
@@ -10,28 +10,28 @@ use crate::judge::left_out;
 use crate::parameters::{Axis, Hypothesis, Own};
 use crate::record::data::Data;
 
-/// A variance of more than this share of the one beforehand says that the sensitivity tells nothing.
+/// A variance above this fraction of the prior one means that the sensitivity is uninformative.
 const UNTOLD: f64 = 0.9;
-/// Halvings of the interval assumed beforehand: its end is known to a thousandth of that.
+/// Bisections of the prior's interval: the end is found to a thousandth of that.
 const HALVINGS: usize = 10;
-/// How firmly a number is held, of its standard deviation beforehand.
+/// Standard deviation with which a parameter is held, relative to its prior one.
 const FIRMLY: f64 = 1e-3;
 
-/// A record's own number in the fit to some of its rows.
+/// A per-record parameter in the fit to some of the record's rows.
 pub struct OwnFit<'a> {
-    /// Prepared as the fit has them.
+    /// The prepared data of the fit.
     pub data: &'a Data,
-    /// What is free of each of them.
+    /// The free parameters of each record.
     pub hypothesis: &'a Hypothesis,
-    /// Place of the record among them.
+    /// Index of the record.
     pub record: usize,
-    /// The row before which its own numbers are fitted.
+    /// The row before which its parameters are fitted.
     pub until: usize,
 }
 
 impl OwnFit<'_> {
-    /// The coordinate up to which a number that fits best at its lower bound may go; `None` where it does not lie there, or where
-    /// its `variance` tells.
+    /// Returns the coordinate at the upper end of the interval of a parameter that fits best at its lower bound; `None` where it
+    /// is not there, or where its `variance` is informative.
     pub fn farthest(&self, axis: &Axis<Own>, best: &Fit, x: f64, variance: f64) -> Option<f64> {
         let [mean, sd] = axis.prior?;
         let Own::Effect(effect, parameter) = axis.slot else { return None };

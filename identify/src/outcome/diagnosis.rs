@@ -1,4 +1,4 @@
-//! What a diagnosis says: the contract's JSON, the numbers of the report, the model that follows.
+//! Result of a diagnosis: the contract's JSON, the numbers of the report, the resulting model.
 
 use crate::discrepancy::{Families, Path};
 use crate::error::Error;
@@ -24,7 +24,7 @@ use records::OfEachRecord;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// A model and how far it is off.
+/// A model and its errors.
 #[derive(Clone, Debug, Serialize)]
 pub struct Side {
     /// Errors on fitted and on left-out data, Pa rms.
@@ -34,23 +34,23 @@ pub struct Side {
     pub parameters: Estimates,
 }
 
-/// One step of the search: mostly a model with one term more than the step before it, or with another in its place.
+/// One step of the search: usually a model with one term more than the step before it, or with one term exchanged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
     /// Names of the effects in the model of this step.
     pub effects: Vec<&'static str>,
-    /// All its terms in words, joined by " + ": which of them each record has for itself, too. Empty for the paper's model.
+    /// All its terms in words, joined by " + ", per-record terms marked as such. Empty for the paper's model.
     pub terms: String,
     /// Errors on fitted and on left-out data, Pa rms.
     pub rmse_pa: Rmse,
-    /// The same with each row counted by the share that noise has in the error expected of it, which the positions make large in
-    /// fast moves. For people.
+    /// The same with each row weighted by the noise's fraction of its expected error, which the positions make large in fast
+    /// moves. For reports.
     #[serde(skip)]
     pub weighed_pa: Rmse,
 }
 
-/// Errors so many times as large as the weighed ones are those of moves in which the positions leave the pressures open: beside the
-/// noise they would look like a misfit.
+/// Errors above this multiple of the weighted ones are those of moves in which the positions leave the pressures uncertain:
+/// compared with the noise they would look like a misfit.
 const OF_MOVES: f64 = 1.5;
 
 /// A set of terms that was tried.
@@ -58,7 +58,7 @@ const OF_MOVES: f64 = 1.5;
 pub struct Tried {
     /// Its terms, joined by " + ".
     pub effect: String,
-    /// BIC of the baseline less its own.
+    /// BIC of the baseline minus its own.
     pub delta_bic: f64,
     /// Error on left-out data, Pa, where it was judged.
     pub held_out_rmse_pa: Option<f64>,
@@ -67,39 +67,39 @@ pub struct Tried {
     pub parameters: Estimates,
 }
 
-/// Where the interval of λ0 comes from.
+/// A contribution to the variance of λ0.
 #[derive(Clone, Debug, Serialize)]
 pub struct Budget {
-    /// What is uncertain: the records, or a number that the rig states within a tolerance.
+    /// Its source: the records, a stated parameter, or the choice of effects.
     pub source: String,
-    /// Its share of the variance.
+    /// Its fraction of the variance.
     pub share: f64,
 }
 
 /// The result of `diagnose`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
-    /// What it comes to; for programs, by its name.
+    /// The verdict; serialised by its name.
     #[serde(serialize_with = "by_name")]
     pub verdict: Verdict,
     /// The effects in the model, the one that entered first at the head.
     pub effects: Vec<&'static str>,
-    /// Posterior probability of every effect that has one worth mention.
+    /// Posterior probability of every effect for which it is worth mentioning.
     #[serde(serialize_with = "as_map")]
     pub probabilities: Vec<(String, f64)>,
-    /// The way from the paper's model to the one found.
+    /// The steps from the paper's model to the one found.
     pub steps: Vec<Step>,
-    /// What is systematic in the residual of the model found, Pa.
+    /// Systematic misfit of the model found, Pa.
     pub remaining_pa: f64,
     /// The systematic misfit that does not matter, Pa.
     pub accuracy_pa: f64,
     /// The noise of the recording.
     pub noise: NoiseFound,
-    /// What each record has for itself.
+    /// Per-record parameters and errors.
     pub records: Vec<RecordFound>,
     /// Groups of effects that the data cannot tell apart.
     pub indistinguishable: Vec<Vec<String>>,
-    /// Where the evidence points.
+    /// The balance to which the evidence points.
     pub balance: &'static str,
     /// Noise of the pressure readings, all kinds together, Pa.
     pub noise_pa: f64,
@@ -107,13 +107,14 @@ pub struct Diagnosis {
     pub before: Side,
     /// The model found; the paper's where there is no effect.
     pub after: Side,
-    /// Everything tried, the best evidence first.
+    /// All sets tried, the best evidence first.
     pub candidates: Vec<Tried>,
-    /// What the interval of λ0 is made of.
+    /// Contributions to the interval of λ0.
     pub lambda0_budget: Vec<Budget>,
-    /// The missing term as a curve, where no name fits and one could be read off; not in the model unless it carries over.
+    /// The missing term as a curve, where no name fits and one could be determined; in the model only if accepted.
     pub empirical: Option<Empirical>,
-    /// What remains, as free functions of one variable, the best first; empty where that is noise.
+    /// What remains, as free functions of one variable, the best first; empty if the verdict is `adequate` or `explained`, or the
+    /// model is adequate.
     pub missing: Vec<Unnamed>,
     /// Parameters, or combinations of them, that the data hardly determines.
     pub undetermined: Vec<Undetermined>,
@@ -121,7 +122,7 @@ pub struct Diagnosis {
     pub next_experiments: Vec<NextExperiment>,
     /// What was assumed, left out or noticed.
     pub assumptions: Vec<String>,
-    /// What remains of the residual, in a clause for people.
+    /// What remains of the residual, as a clause of a report.
     #[serde(skip)]
     pub remainder: String,
 }
@@ -131,7 +132,7 @@ fn by_name<S: Serializer>(verdict: &Verdict, serializer: S) -> Result<S::Ok, S::
 }
 
 impl Diagnosis {
-    /// The effects of the model found, those that each record has for itself among them.
+    /// The effects of the model found, including per-record ones.
     pub fn effects_of_model(&self) -> &[&'static str] {
         self.steps.last().map_or(&self.effects, |step| &step.effects)
     }
@@ -146,13 +147,13 @@ impl Diagnosis {
         self.terms().split(" + ").filter(|term| !term.is_empty())
     }
 
-    /// Whether the error of the model found is mostly one that its positions leave open: then the weighed errors tell how well it fits.
+    /// Whether the error of the model found is mostly due to its positions: then the weighted errors show how well it fits.
     pub fn is_error_of_moves(&self) -> bool {
         self.steps.last().is_some_and(|step| step.rmse_pa.fit > OF_MOVES * step.weighed_pa.fit)
     }
 
-    /// What a model gains with its effects, up to the word that leads on to what remains. Decisive evidence need not show in the error,
-    /// all rows alike or weighed.
+    /// What a model gains with its effects, including the conjunction before what remains. Decisive evidence need not show in the
+    /// error, unweighted or weighted.
     pub fn gain(&self) -> &'static str {
         let (Some(before), Some(after)) = (self.steps.first(), self.steps.last()) else {
             return "describes the records better, but";
@@ -164,12 +165,12 @@ impl Diagnosis {
         }
     }
 
-    /// What the probabilities of the effects say beside this verdict.
+    /// Meaning of the effects' probabilities with this verdict.
     pub fn meaning_of_probabilities(&self) -> &'static str {
         probability::meaning(self.verdict)
     }
 
-    /// Where the evidence points, in a clause.
+    /// The balance to which the evidence points, as a clause.
     pub fn pointed_at(&self) -> String {
         match self.balance {
             "none" => "nothing points to one of the balances".to_owned(),
@@ -177,41 +178,41 @@ impl Diagnosis {
         }
     }
 
-    /// Whether a curve is among them.
+    /// Whether a curve is among the effects.
     pub fn has_curve(&self) -> bool {
         self.empirical.as_ref().is_some_and(|e| e.fate.is_accepted())
     }
 }
 
-/// A diagnosis with what a report draws.
+/// A diagnosis with the data that a report draws.
 pub struct Diagnosed {
-    /// What was found.
+    /// The result.
     pub diagnosis: Diagnosis,
     /// The prepared data.
     pub data: Data,
-    /// How it was found.
+    /// The finished search.
     pub found: Found,
-    /// Row residuals before, Pa, record by record.
+    /// Row residuals of the paper's model, Pa, record by record.
     pub residuals_before: Vec<Vec<f64>>,
-    /// Row residuals after, Pa.
+    /// Row residuals of the model found, Pa.
     pub residuals_after: Vec<Vec<f64>>,
-    /// The paper's model's variables along each record.
+    /// Variables of the paper's model along each record.
     pub paths: Vec<Path>,
 }
 
 impl Diagnosed {
-    /// The chamber to go on with: with the effects found, else the paper's model.
+    /// The resulting chamber: with the effects found, else the paper's model.
     pub fn chamber(&self) -> Chamber {
         self.found.reported().fit.chamber_of_rig()
     }
 
-    /// What each record has for itself: that chamber has none of it.
+    /// Per-record terms, which that chamber does not contain.
     pub fn of_each_record(&self) -> OfEachRecord {
         let Model { own, own_start, .. } = self.found.reported().model;
         OfEachRecord { effects: own, initial_temperature: own_start > OwnStart::Nothing }
     }
 
-    /// How well that chamber's numbers are known.
+    /// Uncertainty of that chamber's parameters.
     pub fn uncertainty(&self) -> records::Uncertainty {
         let mut known = uncertainty(&self.found.reported().fit, self.found.adequacy().is_noise);
         let told = &self.diagnosis.after.parameters;
@@ -224,16 +225,16 @@ impl Diagnosed {
     }
 }
 
-/// Diagnoses a rig. `progress` is told what is being done and how far it is, 0 to 1.
+/// Diagnoses a rig. `progress` receives the current activity and its progress, 0 to 1.
 ///
 /// # Errors
-/// [`Error`]: data that cannot be what it should be.
+/// [`Error`]: implausible data.
 pub fn diagnose(rig: &records::Rig, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<Diagnosed, Error> {
     let (data, found) = search::search(Data::prepare(rig)?, progress)?;
     Ok(describe(data, found))
 }
 
-/// Puts a finished search into words and numbers.
+/// Describes a finished search in words and numbers.
 pub fn describe(data: Data, found: Found) -> Diagnosed {
     let after = found.reported();
     let adequacy = found.adequacy();
@@ -293,8 +294,8 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
     Diagnosed { diagnosis, data, residuals_before, residuals_after, paths, found }
 }
 
-/// Where the interval of λ0 comes from, which is the first of the numbers of its set and of those over all sets that can be in its
-/// place; what their choice adds has this source.
+/// Contributions to the interval of λ0, which is the first parameter both of the set and of the intervals over all sets that can
+/// take its place; the contribution of their choice has the source `by_choice`.
 fn budget(fit: &Fit, leaves_noise: bool, [of_set, over_sets]: [&Estimates; 2], by_choice: &str) -> Vec<Budget> {
     let width = |numbers: &Estimates| numbers.first().map_or(0.0, |(_, e)| e.ci95[1] - e.ci95[0]);
     let of_set = (width(of_set) / width(over_sets)).powi(2).min(1.0);
@@ -330,7 +331,7 @@ fn steps(data: &Data, found: &Found) -> Vec<Step> {
         .collect()
 }
 
-/// The best fit of each set of terms: a set may have been fitted with more of its effects' parameters free too, or from elsewhere.
+/// The best fit of each set of terms: a set may also have been fitted with more secondary parameters free, or from another start.
 fn each_set_once(tried: &[Candidate]) -> impl Iterator<Item = &Candidate> {
     let of = |i: usize| tried[i].model.with_nothing_freed();
     (0..tried.len()).filter(move |&i| (0..i).all(|before| of(before) != of(i))).map(|i| &tried[i])
@@ -345,7 +346,7 @@ fn tried(data: &Data, c: &Candidate) -> Tried {
     }
 }
 
-/// The effects of a set as they entered; those that entered together by the evidence each has alone.
+/// The effects of a set in the order of their entry; those that entered together by the evidence of each alone.
 fn in_order(found: &Found, set: EffectSet) -> Vec<&'static str> {
     let step = |e: usize| found.steps.iter().position(|s| s.model.effects.has(e)).unwrap_or(usize::MAX);
     let alone = |e: usize| {
@@ -357,7 +358,7 @@ fn in_order(found: &Found, set: EffectSet) -> Vec<&'static str> {
     effects.into_iter().map(|e| CARDS[e].name).collect()
 }
 
-/// For each effect of the chosen set, those that could stand in its place; sets that differ in more are written whole.
+/// For each effect of the chosen set, those that could take its place; sets that differ in more are written whole.
 fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
     let mut out: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for other in alike {
@@ -372,7 +373,7 @@ fn groups(chosen: &Model, alike: &[Model]) -> Vec<Vec<String>> {
     out.into_iter().map(|(first, rest)| group(first, rest)).collect()
 }
 
-/// A group, each of its names once.
+/// A group without duplicate names.
 fn group(first: String, rest: Vec<String>) -> Vec<String> {
     rest.into_iter().fold(vec![first], |mut names, name| {
         if !names.contains(&name) {

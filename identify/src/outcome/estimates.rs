@@ -1,11 +1,11 @@
-//! Numbers with their intervals and errors, as results state them.
+//! Parameters with intervals, and errors, as results state them.
 
 use crate::fit::Fit;
 use crate::fit::covariance::{self, Estimate};
 use crate::record::data::Data;
 use serde::Serialize;
 
-/// Numbers by name, in a fixed order.
+/// Parameters by name, in a fixed order.
 pub type Estimates = Vec<(String, Estimate)>;
 
 /// Errors against what the sensor recorded, Pa.
@@ -17,7 +17,7 @@ pub struct Rmse {
     pub held_out: Option<f64>,
 }
 
-/// What a model file keeps of a fit's intervals: names, 95 % intervals and covariance of the free numbers, SI units.
+/// The uncertainty of a fit in a model file: names, 95 % intervals and covariance of the free parameters, SI units.
 pub fn uncertainty(fit: &Fit, leaves_noise: bool) -> records::Uncertainty {
     let covariance = covariance::covariance(fit, leaves_noise);
     let estimates = covariance::estimates(fit, &covariance);
@@ -28,7 +28,7 @@ pub fn uncertainty(fit: &Fit, leaves_noise: bool) -> records::Uncertainty {
     }
 }
 
-/// Values with intervals of a fit.
+/// Parameters of a fit with their intervals.
 pub fn parameters(data: &Data, fit: &Fit, leaves_noise: bool) -> Estimates {
     let covariance = covariance::covariance(fit, leaves_noise);
     let mut out = covariance::estimates(fit, &covariance);

@@ -1,7 +1,7 @@
 //! `identify`: heat transfer coefficient, dead volume and mass of a rig by the paper's model, with intervals.
 //!
-//! Two methods: `exact`, the fit of all traces at once through moves and holds; `time-constant`, the paper's seven steps
-//! on each trace by itself, whose results are averaged.
+//! Two methods: `exact`, the fit of all traces at once through moves and holds; `time-constant`, the paper's seven steps on each
+//! trace alone, with averaged results.
 
 use crate::error::Error;
 use crate::fit::covariance::{Estimate, Undetermined, undetermined};
@@ -19,7 +19,7 @@ use records::Rig;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// How a rig is identified.
+/// Method of identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// All traces at once, through moves and holds.
@@ -29,7 +29,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Both.
+    /// Both methods.
     pub const ALL: [Method; 2] = [Method::Exact, Method::TimeConstant];
 
     /// Its name on the command line.
@@ -41,7 +41,7 @@ impl Method {
     }
 }
 
-/// One kind of test: means over its repeats.
+/// One kind of test, with means over its repeats.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExperimentResult {
     /// Name of the experiment in the rig file.
@@ -56,23 +56,23 @@ pub struct ExperimentResult {
     pub mass_kg: Option<f64>,
     /// λ0 by the seven steps, W/(m² K).
     pub steps_lambda0_w_per_m2_k: Option<f64>,
-    /// Why the paper's steps give nothing, in a sentence.
+    /// Why the paper's steps fail, in a sentence.
     pub steps_refused: Option<String>,
 }
 
 /// The result of `identify`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Identification {
-    /// exact or time-constant.
+    /// `exact` or `time-constant`.
     pub method: &'static str,
-    /// What was identified.
+    /// The identified parameters.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
     /// Errors against what the sensor recorded.
     pub rmse_pa: Rmse,
     /// Noise of the pressure readings, Pa.
     pub noise_pa: f64,
-    /// Whether what the model leaves is no more than noise, or below the accuracy asked for; of the published steps never.
+    /// Whether the remainder is no more than noise, or below the requested accuracy; never for the published steps.
     pub residual_is_noise: bool,
     /// Each kind of test.
     pub experiments: Vec<ExperimentResult>,
@@ -86,7 +86,7 @@ pub struct Identification {
     /// Ambient temperature, K.
     #[serde(skip)]
     pub ambient_temperature_k: f64,
-    /// Intervals and covariance, where the method has them.
+    /// Intervals and covariance, if the method provides them.
     #[serde(skip)]
     pub uncertainty: Option<records::Uncertainty>,
 }
@@ -94,20 +94,20 @@ pub struct Identification {
 /// Identifies a rig.
 ///
 /// # Errors
-/// [`Error`]: data that cannot be what it should be, or no trace that the method can evaluate.
+/// [`Error`]: implausible data, or no trace that the method can evaluate.
 pub fn identify(rig: &Rig, method: Method) -> Result<Identification, Error> {
     let data = Data::prepare(rig)?;
     match method {
         Method::Exact => exact(data),
         Method::TimeConstant => {
-            // Outliers and noise are those of the exact fit, if there is one.
+            // Outliers and noise are those of the exact fit, if it succeeds.
             let data = search::paper(data.clone()).map_or(data, |(data, ..)| data);
             published(&data)
         }
     }
 }
 
-/// The paper's steps on each trace, with its experiment.
+/// The paper's steps for each trace, with its experiment.
 fn steps(data: &Data) -> Vec<(usize, Result<TimeConstant, paper::Error>)> {
     data.traces.iter().map(|t| (t.experiment, papers_steps::of(data, t))).collect()
 }
@@ -136,7 +136,8 @@ fn exact(data: Data) -> Result<Identification, Error> {
             start.pressure * first_volume(t) / (chamber.gas.gas_constant * start.temperature)
         })
         .collect();
-    // The mass follows the volume it was measured in: its relative interval is that of the dead volume's share.
+    // The mass is proportional to the volume in which it was measured: its relative interval is the dead volume's over that
+    // volume.
     let mass = masses.iter().sum::<f64>() / masses.len() as f64;
     let relative = parameters
         .iter()
@@ -194,7 +195,7 @@ fn published(data: &Data) -> Result<Identification, Error> {
     let mut chamber = first_chamber(data);
     chamber.geometry.dead_volume = dead.0.max(0.0);
     chamber.heat_transfer = HeatTransfer::at_paper_reference(lambda.0);
-    // What the method's numbers predict, through moves and holds.
+    // Prediction with the method's values, through moves and holds.
     let residuals = predicted(data, &chamber)?;
     Ok(Identification {
         method: Method::TimeConstant.name(),
@@ -211,7 +212,7 @@ fn published(data: &Data) -> Result<Identification, Error> {
     })
 }
 
-/// Row residuals of a chamber that was not fitted to them, from each record's first pressure.
+/// Row residuals of a chamber that was not fitted to the records, from each record's first pressure.
 fn predicted(data: &Data, chamber: &Chamber) -> Result<Vec<Vec<f64>>, Error> {
     let h = Hypothesis::new(data, Model::PAPER, chamber, &Sizes::of(data, chamber));
     let rig = h.coordinates(chamber);
@@ -255,7 +256,7 @@ fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<Experi
         .collect()
 }
 
-/// Mean of several estimates and half its 95 % interval: from their scatter, or the one's own.
+/// Mean of several estimates and half its 95 % interval: from their scatter, or that of a single one.
 fn mean_with_interval(estimates: &[(f64, [f64; 2])]) -> (f64, f64) {
     let n = estimates.len() as f64;
     let mean = estimates.iter().map(|e| e.0).sum::<f64>() / n;

@@ -1,7 +1,7 @@
 //! What to measure next: the test on which two explanations differ most.
 //!
-//! Each of a handful of push-and-hold tests within the rig's stroke is simulated with both fitted models from the same
-//! initial pressure; their difference, rms over the record in units of the noise, says how well that test separates them.
+//! A number of push-and-hold tests within the rig's stroke are simulated with both fitted models from the same initial pressure;
+//! their rms difference over the record, in units of the noise, shows how well each test separates them.
 
 use crate::forward::{Correction, Run};
 use crate::record::course::Course;
@@ -13,7 +13,7 @@ use records::extremes;
 use report::digits;
 use serde::Serialize;
 
-/// A test and what it would separate.
+/// A test and the explanations that it would separate.
 #[derive(Clone, Debug, Serialize)]
 pub struct NextExperiment {
     /// The two explanations.
@@ -24,7 +24,7 @@ pub struct NextExperiment {
     pub difference_over_noise: f64,
 }
 
-/// A difference of less than this many times the noise, rms, is no use.
+/// A difference below this multiple of the noise, rms, is useless.
 const TOO_SMALL: f64 = 0.1;
 /// Integration error relative to the states.
 const RELATIVE_TOLERANCE: f64 = 3e-8;
@@ -84,8 +84,8 @@ fn difference(test: &Test, a: &Candidate, b: &Candidate) -> Option<f64> {
     Some((squares / one.len() as f64).sqrt())
 }
 
-/// Tests that the rig has shown to be able to do: over its stroke, from its initial pressures, as fast as its fastest move
-/// and more slowly, as long as its longest record and longer.
+/// Tests of which the rig has shown to be capable: over its stroke, from its initial pressures, as fast as its fastest move and
+/// more slowly, as long as its longest record and longer.
 fn tests(data: &Data) -> Vec<Test> {
     let segments = || data.traces.iter().flat_map(|t| &t.course.motion.segments);
     let of_traces = |value: fn(&Prepared) -> f64| extremes(&data.traces.iter().map(value).collect::<Vec<f64>>());
@@ -125,7 +125,7 @@ fn test(data: &Data, words: String, [from, to]: [f64; 2], push_s: f64, hold_s: f
     const REST_S: f64 = 0.5;
     const ROWS: usize = 400;
     let end = REST_S + push_s + hold_s;
-    // Rows of a hundredth of the push while it lasts, then few.
+    // 50 rows in the rest, 100 in the push, `ROWS` in the hold.
     let mut times: Vec<f64> = (0..=50).map(|k| REST_S * f64::from(k) / 50.0).collect();
     times.extend((1..=100).map(|k| REST_S + push_s * f64::from(k) / 100.0));
     times.extend((1..=ROWS).map(|k| REST_S + push_s + hold_s * k as f64 / ROWS as f64));

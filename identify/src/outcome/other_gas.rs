@@ -1,4 +1,4 @@
-//! Another gas in the chamber than the rig file has: with its heat capacity ratio the paper's model alone leaves next to nothing.
+//! Another gas in the chamber than stated: with its heat capacity ratio the paper's model alone leaves next to nothing.
 
 use crate::judge::misfit;
 use crate::record::data::Data;
@@ -7,12 +7,12 @@ use chamber::Gas;
 use chamber::words::listed;
 use report::digits;
 
-/// Gases whose heat capacity ratios differ by less than this share of them are not told apart.
+/// Gases whose heat capacity ratios differ by less than this fraction are not distinguished.
 const ALIKE: f64 = 0.02;
-/// What is left with another gas, over what was left with the stated one, at the most.
+/// Maximum misfit with another gas, as a fraction of that with the stated one.
 const MOST_LEFT: f64 = 0.05;
 
-/// What is said of it, where no effect explains the records.
+/// The note on the gas, where no effect explains the records.
 pub fn sentence(data: &Data, found: &Found) -> Option<String> {
     if matches!(found.verdict, Verdict::Adequate | Verdict::Explained) {
         return None;
@@ -41,7 +41,7 @@ pub fn sentence(data: &Data, found: &Found) -> Option<String> {
     None
 }
 
-/// The systematic part, Pa, of what the paper's model leaves in that gas.
+/// Systematic misfit of the paper's model with this gas, Pa.
 fn systematic_in(mut data: Data, gas: Gas) -> Option<f64> {
     data.gas = gas;
     let (data, fit) = baseline::fitted(data).ok()?;
@@ -54,7 +54,7 @@ mod tests {
     use crate::search::search;
     use crate::synthetic::Recipe;
 
-    /// What is said of a rig whose file says that air is in the chamber.
+    /// The note for a rig whose file states air.
     fn said_of(recipe: &Recipe) -> Option<String> {
         let mut rig = recipe.rig();
         rig.gas.gas = Gas::AIR;

@@ -1,8 +1,8 @@
-//! Intervals of numbers that several sets of effects have, where the data cannot tell the sets apart, or where a further effect is evident
-//! that takes off too little to have a name.
+//! Intervals of parameters that several sets of effects have, where the data cannot tell the sets apart, or where a further
+//! effect is evident but removes too little misfit to be named.
 //!
-//! Such a number follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
-//! interval is that of the mixture. The value stays that of the chosen set, and the interval holds it. Source: J. A. Hoeting
+//! Such a parameter follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
+//! interval is that of the mixture. The value stays that of the chosen set, and the interval includes it. Source: J. A. Hoeting
 //! et al., Stat. Sci. 14 (1999) 382 (Bayesian model averaging).
 
 use crate::fit::covariance::{Estimate, NORMAL_95};
@@ -12,9 +12,9 @@ use crate::record::data::Data;
 use crate::search::{Candidate, Found};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// The chosen set's numbers with their intervals over all sets that can be in its place.
+/// The chosen set's parameters with their intervals over all sets that can take its place.
 pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise: bool) -> Estimates {
-    // A set of more evidence that was not chosen predicts left-out data no better.
+    // A set with more evidence that was not chosen predicts left-out data no better.
     let odds = |c: &Candidate| probability::odds((c.delta_bic - found.chosen.delta_bic).min(0.0));
     let others: Vec<(f64, Estimates)> = alike(found)
         .chain(found.evident_beside_chosen())
@@ -28,7 +28,7 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise:
             std::iter::once((1.0, number.clone())).chain(others.iter().filter_map(same)).collect();
         if mixture.len() > 1 {
             let [low, high] = interval(&mixture);
-            // Many others together may leave the chosen set little.
+            // Many others together may leave the chosen set little weight.
             number.ci95 = [low.min(number.value), high.max(number.value)];
         }
     }
@@ -40,7 +40,7 @@ fn alike(found: &Found) -> impl Iterator<Item = &Candidate> {
     found.alike.iter().filter_map(|model| found.tried.iter().find(|c| c.model == *model && c.fit.converged))
 }
 
-/// 95 % interval of a mixture of normal distributions, each with its own width to either side, with these weights.
+/// 95 % interval of a weighted mixture of normal distributions, each with its own width on either side.
 fn interval(mixture: &[(f64, Estimate)]) -> [f64; 2] {
     let ends = |i: usize| mixture.iter().map(move |(_, e)| e.ci95[i]);
     let (low, high) = (ends(0).fold(f64::INFINITY, f64::min), ends(1).fold(f64::NEG_INFINITY, f64::max));
@@ -57,7 +57,7 @@ fn interval(mixture: &[(f64, Estimate)]) -> [f64; 2] {
         each.sum::<f64>()
     };
     [0.025, 0.975].map(|share| {
-        // The interval of a mixture lies within the hull of its parts'.
+        // The interval of a mixture lies within the hull of its components' intervals.
         let (mut from, mut to) = (low, high);
         for _ in 0..60 {
             let middle = 0.5 * (from + to);
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn two_values_far_apart_are_both_in_the_interval_as_far_as_their_odds_ask() {
-        // Each tail holds 2.5 % of all: 5 % of a set with half of the odds, 3.125 % and 12.5 % of ones with 0.8 and 0.2.
+        // Each tail holds 2.5 % of the total: 5 % of a set with half of the odds, 3.125 % and 12.5 % of sets with 0.8 and 0.2.
         let [low, high] = interval(&[(1.0, estimate(20.0, NORMAL_95)), (1.0, estimate(30.0, NORMAL_95))]);
         assert!((low - (20.0 - 1.644_854)).abs() < 1e-5 && (high - (30.0 + 1.644_854)).abs() < 1e-5, "{low} {high}");
         let [low, high] = interval(&[(0.8, estimate(20.0, NORMAL_95)), (0.2, estimate(30.0, NORMAL_95))]);

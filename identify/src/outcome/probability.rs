@@ -1,31 +1,31 @@
-//! How probable each effect is: posterior odds over all sets of terms that were tried.
+//! Probability of each effect: posterior odds over all sets of terms that were tried.
 //!
-//! P(set) ∝ p^terms e^(−BIC/(2 T)); an effect has the sum over the sets that hold it. Each term has the prior probability
-//! p, about one in as many terms as there are, so that one which adds nothing to a set gains nothing by being tried. T = 1
-//! would be the textbook's (Raftery, 1995); `TEMPER` is larger, as the noise is a model itself. BIC is that of gas no better known
-//! than its tolerance. Sets with a curve in them are left out.
+//! P(set) ∝ p^terms e^(−BIC/(2 T)); that of an effect is the sum over the sets that contain it. Each term has the prior
+//! probability p, about one over the number of terms, so that one which adds nothing to a set gains nothing by being tried. T = 1
+//! would be the textbook value (Raftery, 1995); `TEMPER` is larger, as the noise is itself a model. In BIC the gas is known only
+//! within its tolerance. Sets with a curve are left out.
 //!
-//! Where the chosen set explains the records, none counts as likelier than it: what speaks against the others, their error on records left
-//! out or a number that cannot be, is no part of their BIC.
+//! Where the chosen set explains the records, none counts as likelier than it: what speaks against the others, such as their
+//! error on left-out records or an impossible parameter value, is not part of their BIC.
 
 use crate::search::{Candidate, Found, Verdict};
 use chamber::effects::{CARDS, COUNT};
 
-/// How much flatter than the textbook's the odds are.
+/// Factor by which log-odds are reduced from the textbook's.
 const TEMPER: f64 = 1.5;
-/// Probability of a term before anything is measured.
+/// Prior probability of a term.
 const PRIOR: f64 = 0.05;
-/// What is less probable than this is left out.
+/// Smaller probabilities are not reported.
 const WORTH_MENTION: f64 = 0.01;
 
-/// Odds of two sets whose BIC differ by that, the former's smaller by `gain`.
+/// Odds of two sets, with a BIC smaller by `gain` for the former.
 pub fn odds(gain: f64) -> f64 {
     (gain / (2.0 * TEMPER)).exp()
 }
 
-/// What these probabilities say with a verdict: of the cause only where a set of effects is needed and leaves no more than noise. Beside
-/// a model that will do without any, they are hints. Elsewhere they compare sets none of which will do, and the best of them may have
-/// 100 %.
+/// Meaning of the probabilities with a verdict: they are those of the cause only where a set of effects is needed and leaves no
+/// more than noise. Beside a model that is adequate without any, they are hints. Otherwise they compare sets none of which is
+/// adequate, and the best of them may have 100 %.
 pub fn meaning(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Adequate => {
@@ -36,10 +36,10 @@ pub fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Probability of each effect of the rig, the most probable first. For a named one sets count too in which each record has its
-/// own: they hold it, and only say that records differ.
+/// Probability of each effect of the rig, the most probable first. For a named one, sets with per-record parameters of it count
+/// too: they contain it, and only say that records differ.
 pub fn of_effects(found: &Found) -> Vec<(String, f64)> {
-    // A curve is a description, no hypothesis with a name.
+    // A curve is a description, not a named hypothesis.
     let has_name = |c: &&Candidate| c.model.effects.iter().all(|e| CARDS[e].is_candidate());
     let sets = found.tried.iter().chain([&found.baseline, &found.chosen]).filter(has_name);
     let most = if found.verdict == Verdict::Explained { found.chosen.delta_bic } else { f64::MAX };
@@ -92,7 +92,7 @@ mod tests {
     fn effects_are_called_probable_only_where_they_leave_no_more_than_noise() {
         let probable = |verdict: Verdict| meaning(verdict).contains("probable");
         assert!(probable(Verdict::Explained) && !probable(Verdict::Improved) && !probable(Verdict::Unexplained));
-        // What the paper's model does without is a hint, however large its odds.
+        // An effect that the paper's model does without is a hint, however large its odds.
         assert!(!probable(Verdict::Adequate) && meaning(Verdict::Adequate).contains("none of which is needed"));
     }
 }

@@ -1,4 +1,4 @@
-//! The missing term as a curve: what a diagnosis says of it.
+//! The missing term as a curve, as a diagnosis reports it.
 
 use crate::fit::covariance;
 use crate::outcome::unnamed::Subject;
@@ -7,23 +7,23 @@ use crate::search::curve::{Fate, ReadOff};
 use chamber::effects;
 use serde::{Serialize, Serializer};
 
-/// A missing term read off the data, refitted with everything else.
+/// A missing term as a curve, refitted with everything else.
 #[derive(Clone, Debug, Serialize)]
 pub struct Empirical {
-    /// Whether it is in the model, and if not, why; for programs, whether it is.
+    /// Whether it is in the model, and if not, why; only the former is serialised.
     #[serde(rename = "accepted", serialize_with = "is_accepted")]
     pub fate: Fate,
-    /// What it is, by its word in model files.
+    /// Its keyword in model files.
     #[serde(rename = "balance")]
     pub word: &'static str,
-    /// What it is, and what it follows.
+    /// The missing quantity and its variable.
     #[serde(flatten)]
     pub subject: Subject,
     /// Values of the variable; between them the term is linear, beyond them constant.
     pub knots: Vec<f64>,
-    /// The term there.
+    /// The term at the knots.
     pub values: Vec<f64>,
-    /// Its 95 % intervals.
+    /// Their 95 % intervals.
     pub ci95: Vec<[f64; 2]>,
     /// Error on experiments left out whole, Pa rms.
     pub left_out_rmse_pa: LeftOut,
@@ -39,7 +39,7 @@ pub struct LeftOut {
 }
 
 impl Empirical {
-    /// What was found, in words and numbers.
+    /// The curve that the search found; `None` without one.
     pub fn of(found: &ReadOff, leaves_noise: bool) -> Option<Self> {
         let (effect, curve) = (effects::Empirical::PLACE, found.curve()?);
         let fit = &found.candidate.fit;

@@ -1,4 +1,4 @@
-//! What a diagnosis says of the recording: its noise, what each record has for itself, what was assumed and left out.
+//! What a diagnosis reports on the recording: its noise, per-record parameters, what was assumed and left out.
 
 use super::estimates::{Estimates, as_map};
 use super::{other_gas, stated_numbers};
@@ -35,14 +35,14 @@ pub struct NoiseFound {
     pub hum_hz: Option<f64>,
     /// Step between readings, Pa; zero where none is seen.
     pub step_pa: f64,
-    /// Readings left out as far off.
+    /// Number of readings left out as outliers.
     pub outliers: usize,
-    /// Readings in a second, where that is less often than rows.
+    /// Readings per second, where less frequent than rows.
     pub readout_hz: Option<f64>,
 }
 
 impl NoiseFound {
-    /// Of a rig's data.
+    /// Noise of a rig's data.
     pub fn of(data: &Data) -> Self {
         let noise = &data.noise;
         Self {
@@ -57,19 +57,19 @@ impl NoiseFound {
     }
 }
 
-/// What one record has for itself.
+/// Results for one record.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordFound {
     /// File of the trace.
     pub trace: String,
-    /// Its own numbers.
+    /// Its parameters.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
-    /// Its error, Pa.
+    /// Its rms error, Pa.
     pub rmse_pa: f64,
 }
 
-/// Each record's own numbers and error.
+/// Per-record parameters and errors.
 pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], leaves_noise: bool) -> Vec<RecordFound> {
     let rig = covariance::covariance(fit, leaves_noise);
     (0..data.traces.len())
@@ -91,10 +91,10 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], leaves_noise: boo
         .collect()
 }
 
-/// Pressures of the surroundings where people work, Pa.
+/// Ambient pressures where people work, Pa.
 const USUAL_AMBIENT_PA: std::ops::RangeInclusive<f64> = 5e4..=1.1e5;
 
-/// What was assumed where the rig says nothing, what was left out, what was noticed.
+/// Notes on what was assumed where the rig states nothing, left out, or noticed.
 pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let mut out = Vec::new();
     if data.ambient_temperature_assumed {
@@ -176,7 +176,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out
 }
 
-/// Which rows of each record are left out.
+/// Notes on the rows left out of each record.
 pub fn left_out(data: &Data) -> Vec<String> {
     let readings = |t: &Prepared| far_off::sentence(&t.path, &t.readout.outliers, &t.lines, &t.time_s);
     let mut out: Vec<String> = data.traces.iter().filter_map(readings).collect();
@@ -196,7 +196,7 @@ pub fn left_out(data: &Data) -> Vec<String> {
     out
 }
 
-/// Which records begin before their test, and for how long.
+/// The note on records that begin before their test, and for how long.
 fn before_test(data: &Data) -> Option<String> {
     let records = records_with(data, |t| {
         let (rows, time_s) = t.before_test?;
@@ -207,7 +207,7 @@ fn before_test(data: &Data) -> Option<String> {
     ))
 }
 
-/// Which records end with an opened chamber, and from where on.
+/// The note on records that end with an opened chamber, and from where on.
 fn opened(data: &Data) -> Option<String> {
     let records = records_from(data, |t| t.readout.opened.as_ref())?;
     Some(format!(
@@ -215,7 +215,7 @@ fn opened(data: &Data) -> Option<String> {
     ))
 }
 
-/// Which records are not like their repeats, or not like all others, and from where on.
+/// Notes on records unlike their repeats, or unlike all others, and from where on.
 fn unlike_others(data: &Data) -> Vec<String> {
     const CAUSES: &str = "as where a reading stands still for a while, a gauge's zero steps, a position is clipped or the port is opened; the rows from the first move on are left out";
     let told = |has_repeats: bool, what: &str, meaning: &str| {
@@ -236,12 +236,12 @@ fn unlike_others(data: &Data) -> Vec<String> {
     of_repeats.into_iter().chain(of_one).collect()
 }
 
-/// The first few of the records that have such rows, each with where these begin; `None` where none has.
+/// The first few of the records with such rows, each with where these begin; `None` without any.
 fn records_from(data: &Data, rows: impl Fn(&Prepared) -> Option<&Range<usize>>) -> Option<String> {
     records_with(data, |t| Some(format!(" from {} on", far_off::named(&[rows(t)?.start], &t.lines, &t.time_s))))
 }
 
-/// The first few of the records of which there is something to say, each with that; `None` where there are none.
+/// The first few of the records for which `what` returns text, each with that; `None` without any.
 fn records_with(data: &Data, what: impl Fn(&Prepared) -> Option<String>) -> Option<String> {
     let said = data.traces.iter().filter_map(|t| Some(format!("{}{}", t.path.display(), what(t)?)));
     let records: Vec<String> = said.collect();
@@ -249,7 +249,7 @@ fn records_with(data: &Data, what: impl Fn(&Prepared) -> Option<String>) -> Opti
     (!records.is_empty()).then(|| format!("{}{more}", named.join("; ")))
 }
 
-/// Whether the rig states a slower readout than the records show.
+/// The note that the rig states a slower readout than the records show.
 fn every_row_is_a_reading(data: &Data) -> Option<String> {
     let stated_hz = data.stated_readout_hz?;
     let is_slower = |t: &Prepared| stated_hz * t.row_s() < 0.5 && !t.readout.readings.are_slow();
@@ -261,7 +261,7 @@ fn every_row_is_a_reading(data: &Data) -> Option<String> {
     })
 }
 
-/// Which records start in motion.
+/// The note on records that start in motion.
 fn in_motion(data: &Data) -> Option<String> {
     let paths: Vec<String> =
         data.traces.iter().filter(|t| !t.starts_at_rest).map(|t| t.path.display().to_string()).collect();
@@ -278,7 +278,7 @@ fn in_motion(data: &Data) -> Option<String> {
     }
 }
 
-/// What is no reading among the positions.
+/// Notes on rows that are no readings of the position.
 fn positions(data: &Data) -> Vec<String> {
     let mut out = Vec::new();
     let disturbed: Vec<&Prepared> = data.traces.iter().filter(|t| !t.positions.outliers.is_empty()).collect();
@@ -312,9 +312,9 @@ fn positions(data: &Data) -> Vec<String> {
     out
 }
 
-/// How much the positions' noise leaves open of the pressures while the piston moves, where that is the larger part of the error.
+/// The note on the pressure uncertainty from the positions' noise in moves, where that is the larger part of the error.
 fn noise_of_positions(data: &Data) -> Option<String> {
-    /// Over the noise of the pressures.
+    /// Relative to the noise of the pressures.
     const MUCH: f64 = 2.0;
     let open_pa = data.open_pa();
     let is_plain = data.traces.iter().all(|t| t.look == Look::default());
@@ -328,13 +328,13 @@ fn noise_of_positions(data: &Data) -> Option<String> {
     })
 }
 
-/// What the search noticed.
+/// Notes from the search.
 fn of_search(data: &Data, found: &Found) -> Vec<String> {
     let mut out = Vec::new();
     let fit = &found.chosen.fit;
     out.extend(stated_numbers::moved_gas(data));
     out.extend(stated_numbers::moved_zero(data));
-    // What nobody minds may be an effect, for which wrong numbers stand.
+    // What remains below the accuracy may be an effect, which wrong stated values would imitate.
     if found.verdict != Verdict::Adequate || found.better_than_reported(data).is_none() {
         out.extend(stated_numbers::sentence(data, fit));
     }
@@ -399,7 +399,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     out
 }
 
-/// What a dead volume below zero says of the positions.
+/// The note on what a negative dead volume says about the positions.
 pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
     let too_far_m = fit.positions_too_far_m()?;
     let reason = if is_adequate {
@@ -413,7 +413,7 @@ pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
     Some(format!("the dead volume that fits best is below zero and is given as zero: {reason}"))
 }
 
-/// What the records' initial temperatures have in common, where they are fitted and that is more than chance.
+/// The note on what the records' initial temperatures have in common, where they are fitted and that is more than chance.
 fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     const DEVIATIONS: f64 = 4.0;
     let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.own, Own::Temperature));

@@ -1,12 +1,11 @@
-//! What remains of the residual beside a verdict, in a clause: its size where it has one, or why the verdict is no better than it is
-//! where the size says nothing.
+//! What remains of the residual beside a verdict, as a clause: its size where that matters, or else why the verdict is no better.
 
 use crate::judge::adequacy::Adequacy;
 use crate::record::data::Data;
 use crate::search::{Found, Verdict};
 use report::digits;
 
-/// Of what was found, where `left` is what the model leaves that is reported.
+/// The clause; `left` is the adequacy of the reported model.
 pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if !left.is_adequate() {
         return format!("a systematic misfit of {} Pa rms remains", digits(left.systematic_pa, 3));

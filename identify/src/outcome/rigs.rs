@@ -1,8 +1,8 @@
 //! Records of two rigs under one rig file.
 //!
-//! Each record is fitted by itself with the paper's model; where λ0 or the dead volume fall into two groups, either group is
-//! fitted. What a gas does depends on its state and stroke alone: where the tests of the groups overlap in both and yet ask for
-//! different numbers, no effect of one rig is behind it.
+//! Each record is fitted alone with the paper's model; where λ0 or the dead volume falls into two groups, each group is fitted. A
+//! gas's behaviour depends on its state and stroke alone: where the tests of the groups overlap in both and yet need different
+//! parameters, no effect of one rig is the cause.
 
 use crate::judge::misfit;
 use crate::policy::{APART, APART_FROM};
@@ -14,19 +14,19 @@ use rayon::prelude::*;
 use records::extremes;
 use report::digits;
 
-/// Fewest records of a group.
+/// Minimum number of records in a group.
 const FEWEST: usize = 2;
 
-/// What the tests of two groups have to overlap in.
+/// Quantities in which the tests of two groups must overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlap {
-    /// The pressure at the start and the ratio of the first move's positions: effects were looked for, and none explains it.
+    /// Initial pressure and ratio of the first move's positions: effects were looked for, and none explains the difference.
     Levels,
-    /// The positions themselves as well, which an effect may follow.
+    /// The positions themselves as well, on which an effect may depend.
     LevelsAndPositions,
 }
 
-/// Says which records do not belong with the others; `rms_pa` is the error of the paper's model on all of them.
+/// The note on records that do not belong with the others; `rms_pa` is the error of the paper's model on all of them.
 pub fn apart(data: &Data, rms_pa: f64, needed: Overlap) -> Option<String> {
     let floor_pa = data.noise.white_pa.max(data.noise.step_pa);
     if data.traces.len() < 2 * FEWEST || rms_pa < APART_FROM * floor_pa {
@@ -74,13 +74,13 @@ pub fn apart(data: &Data, rms_pa: f64, needed: Overlap) -> Option<String> {
     ))
 }
 
-/// The paper's model of some records alone, and its error, Pa rms.
+/// The paper's model fitted to some records alone, and its error, Pa rms.
 fn fitted(data: &Data, records: &[usize]) -> Option<(Chamber, f64)> {
     let (data, fit) = baseline::fitted(data.of_records(records)).ok()?;
     Some((fit.chamber(), misfit::rms(&data, &misfit::residuals(&data, &fit))))
 }
 
-/// The smaller and the larger group of numbers that a cut makes, which leaves the least scatter within them.
+/// Indices of the smaller and the larger group, split at the cut that leaves the least scatter within them.
 fn in_two(numbers: &[f64]) -> [Vec<usize>; 2] {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by(|a, b| numbers[*a].total_cmp(&numbers[*b]));
@@ -97,8 +97,8 @@ fn in_two(numbers: &[f64]) -> [Vec<usize>; 2] {
     groups
 }
 
-/// Whether the groups' tests overlap in all that an effect may follow: at least half of the smaller group's, and two of the larger
-/// one's, lie within what the other has. Levels, directions or strokes that a group has for itself may be why it differs.
+/// Whether the groups' tests overlap in everything on which an effect may depend: at least half of the smaller group's, and two
+/// of either group's, lie within the other's range. Levels, directions or strokes of one group alone may be why it differs.
 fn overlap(data: &Data, [few, many]: &[Vec<usize>; 2], needed: Overlap) -> bool {
     let tests = |group: &[usize]| group.iter().filter_map(|k| test(&data.traces[*k])).collect::<Vec<_>>();
     let [few, many] = [tests(few), tests(many)];
@@ -115,13 +115,13 @@ fn overlap(data: &Data, [few, many]: &[Vec<usize>; 2], needed: Overlap) -> bool 
     2 * inside(&few, &many) >= few.len() && inside(&few, &many) >= FEWEST && inside(&many, &few) >= FEWEST
 }
 
-/// Logarithms of quantities that differ less are alike.
+/// Quantities whose logarithms differ by less are alike.
 const NEARLY: f64 = 0.05;
 
-/// Logarithms of what a test is made of: the pressure at its start, the first move's positions as a ratio, and the latter of them.
+/// Logarithms of a test's initial pressure, of the ratio of its first move's end and start positions, and of the end position.
 fn test(t: &Prepared) -> Option<[f64; 3]> {
     let first = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move)?;
-    // Of a move whose rows were lost those on either side are left.
+    // For a move whose rows were lost, those on either side.
     let rows = if first.lost {
         [first.first - 1, first.end.min(t.position_m.len() - 1)]
     } else {

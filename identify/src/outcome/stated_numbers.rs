@@ -1,5 +1,5 @@
-//! Numbers that the rig file states and the records ask to be others, far beyond their tolerance: in one sentence, since the moves
-//! belong together. Moves that leave nearly all of the misfit are no answer to it, and nothing is said: what makes it is not there.
+//! Stated parameters that the records would move far beyond their tolerances: in one sentence, since the moves belong together.
+//! Moves that leave nearly all of the misfit do not explain it, and are not reported.
 
 use crate::fit::Fit;
 use crate::judge::adequacy::are_squares_of_noise;
@@ -8,7 +8,7 @@ use crate::policy::TOLERANCES;
 use crate::record::data::Data;
 use report::digits;
 
-/// What a fit asks of the stated numbers, if anything.
+/// The sentence on stated parameters that a fit would move, if any.
 pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
     let bore_mm = 1e3 * data.cylinder.bore_m;
     let asked = |(slot, moved, by): (Slot, f64, f64)| {
@@ -22,7 +22,7 @@ pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
         .then(|| format!("the records ask for {}: {check}", far.join(", and for ")))
 }
 
-/// That all numbers are given for another gas than the stated one, where the search took it as the records ask for it.
+/// The note that all results are for another gas than the stated one, where the search moved it to what the records favour.
 pub fn moved_gas(data: &Data) -> Option<String> {
     let (ratio, moved) = (data.gas.heat_capacity_ratio, data.gas_moved);
     let stated = ratio / (1.0 + moved * data.tolerance.heat_capacity_ratio);
@@ -34,7 +34,8 @@ pub fn moved_gas(data: &Data) -> Option<String> {
     })
 }
 
-/// That all numbers are given for another zero of the positions than the stated one, where the search took it as the records ask for it.
+/// The note that all results are for another position zero than the stated one, where the search moved it to what the records
+/// favour.
 pub fn moved_zero(data: &Data) -> Option<String> {
     let millimetres = 1e3 * data.zero_moved * data.tolerance.position_offset_m;
     (data.zero_moved != 0.0).then(|| {
@@ -47,10 +48,10 @@ pub fn moved_zero(data: &Data) -> Option<String> {
     })
 }
 
-/// What a position sensor farther from straight than its tolerance allows would make of the paper's model, where it would account for
-/// the records alone.
+/// The note that a position sensor less straight than its tolerance allows would account for the records with the paper's model
+/// alone.
 pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
-    /// Tolerances: 0.2 % of the way by default, as far as a plain potentiometer may be off.
+    /// In tolerances: 0.2 % of the way by default, as much as a plain potentiometer may be off.
     const MOST: f64 = 10.0;
     let (squares, tolerances) = paper.marginal_of_crooked_positions(MOST)?;
     let is_open = (TOLERANCES..MOST).contains(&tolerances) && are_squares_of_noise(data, paper, squares);
@@ -62,7 +63,7 @@ pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
     })
 }
 
-/// A number that is to be moved by that much, of a rig with this stated bore, mm.
+/// Describes a stated parameter moved by `by`, for a rig with this stated bore, mm.
 fn words(slot: Slot, by: f64, bore_mm: f64) -> String {
     let either = |more: &'static str, less: &'static str| if by < 0.0 { less } else { more };
     let amount = by.abs();
@@ -102,7 +103,7 @@ mod tests {
         let said = sentence(&data, &fit).unwrap();
         let both = said.contains("a bore of") && said.contains("larger than recorded");
         assert!(both && said.ends_with("check them"), "{said}");
-        // The same moves, which leave nearly all of a misfit that has another cause.
+        // The same moves, which leave nearly all of a misfit with another cause.
         (fit.chi2, fit.marginal) = (100.0 * fit.blocks as f64, 90.0 * fit.blocks as f64);
         assert_eq!(sentence(&data, &fit), None);
     }

@@ -1,4 +1,4 @@
-//! Missing terms without a name, as a diagnosis states them.
+//! Unnamed missing terms, as a diagnosis reports them.
 
 use crate::discrepancy::{self, Missing, Variable};
 use crate::search::Candidate;
@@ -6,17 +6,17 @@ use chamber::effects::empirical::Term;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-/// What is missing, and what it follows; for programs, both in words with their units.
+/// A missing quantity and its variable; serialised in words with their units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subject {
-    /// What is missing.
+    /// The missing quantity.
     pub term: Term,
-    /// What it follows.
+    /// The variable on which it depends.
     pub variable: Variable,
 }
 
 impl Subject {
-    /// What is missing, in words, and its unit.
+    /// The missing quantity in words, and its unit.
     pub fn quantity(self) -> (&'static str, &'static str) {
         (discrepancy::quantity(self.term), self.term.unit())
     }
@@ -34,36 +34,36 @@ impl Serialize for Subject {
     }
 }
 
-/// A missing term without a name.
+/// An unnamed missing term.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unnamed {
     /// The balance it belongs to.
     pub balance: &'static str,
-    /// What is missing, and what it follows.
+    /// The missing quantity and its variable.
     #[serde(flatten)]
     pub subject: Subject,
     /// Values of the variable.
     pub at: Vec<f64>,
-    /// The missing term there.
+    /// The missing term at these values.
     pub value: Vec<f64>,
-    /// Its standard deviation there.
+    /// Its standard deviation at these values.
     pub sd: Vec<f64>,
-    /// Share of the residual's squares beyond noise that it takes away, to first order.
+    /// Fraction of the residual's squares beyond noise that it removes, to first order.
     pub share: f64,
 }
 
-/// A family that takes away less than this share of what a model leaves explains nothing of it.
+/// A family that removes less than this fraction of a model's remainder explains nothing of it.
 const LEAST_SHARE: f64 = 0.01;
 
-/// A place this near to zero, of the farthest one, is zero but for the last digits of its numbers.
+/// A knot below this fraction of the farthest one is zero except for round-off.
 const NEXT_TO_ZERO: f64 = 1e-9;
 
-/// Most families that are told.
+/// Maximum number of families reported.
 const MOST: usize = 6;
 
-/// The families that take away most of what a model leaves, best first.
+/// The families that remove most of a model's remainder, best first.
 pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
-    // What takes away most for its number of coefficients comes first.
+    // The largest gain for its number of coefficients comes first.
     let mut best: Vec<&Missing> = families.iter().collect();
     best.sort_by(|a, b| b.worth(&c.fit).total_cmp(&a.worth(&c.fit)));
     best.iter()
@@ -80,7 +80,7 @@ pub fn unnamed(c: &Candidate, families: &[Missing]) -> Vec<Unnamed> {
         .collect()
 }
 
-/// Places of a curve as they are told.
+/// Knots of a curve as reported.
 fn places(at: &[f64]) -> Vec<f64> {
     let farthest = at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
     at.iter().map(|at| if at.abs() < NEXT_TO_ZERO * farthest { 0.0 } else { *at }).collect()

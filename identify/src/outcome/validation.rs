@@ -1,9 +1,8 @@
-//! `validate`: a model against records that took no part in finding it.
+//! `validate`: compares a model with records that took no part in finding it.
 //!
-//! The rig's numbers are the model's. Each record brings its own: initial pressure, initial temperature where it begins in
-//! motion or where the model's records had their own, and the parameters of recording effects. They are fitted to the record's
-//! start, its rest and its first move, and the rest of it is predicted, with the model's drift; or, with the whole record, to all
-//! of it.
+//! The rig parameters are the model's. Each record has its own initial pressure, initial temperature where it begins in motion or
+//! where the model's records had their own, and parameters of recording effects. They are fitted to the record's start, its rest
+//! and its first move, and the rest of the record is predicted, with the model's drift; or, with the whole record, to all of it.
 
 use super::at_bound::OwnFit;
 use super::estimates::{Estimates, as_map};
@@ -25,70 +24,70 @@ use records::{OfEachRecord, Rig};
 use report::digits;
 use serde::Serialize;
 
-/// How often readings are looked at for those far off: what a fit with them leaves can hide others.
+/// Rounds of outlier detection: a fit with outliers can hide others.
 const ROUNDS: usize = 3;
 
-/// An error so many times that which is known of the model, or the noise, asks for a reason...
+/// An error above this multiple of the model's known error, or of the noise, needs a reason...
 const UNUSUAL: f64 = 2.0;
-/// ...which is the warmth that the records begin with if that leaves less than this share of it.
+/// ...which is the records' initial temperature if fitting that leaves less than this fraction of it.
 const BY_WARMTH: f64 = 0.5;
 
-/// One record against the model.
+/// Error of the model on one record.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordError {
     /// File of the trace.
     pub trace: String,
-    /// The record's own numbers.
+    /// The per-record parameters.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
-    /// Error over the rows judged, Pa rms; none where the record ends with its first move.
+    /// Error over the judged rows, Pa rms; none where the record ends with its first move.
     pub rmse_pa: Option<f64>,
-    /// First time that is judged, s from the record's first row.
+    /// Time of the first judged row, s from the record's first row.
     pub judged_from_s: f64,
-    /// Rows judged.
+    /// Number of judged rows.
     pub rows: usize,
 }
 
 /// The result of `validate`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Validation {
-    /// Whether the records' own numbers were fitted to all of each record.
+    /// Whether the per-record parameters were fitted to whole records.
     pub whole_record: bool,
-    /// Error over all rows judged, Pa rms.
+    /// Error over all judged rows, Pa rms.
     pub rmse_pa: f64,
     /// Noise of the recording, Pa.
     pub noise_pa: f64,
-    /// What is systematic in it where whole records are judged, Pa.
+    /// Systematic misfit where whole records are judged, Pa.
     pub systematic_pa: Option<f64>,
-    /// Each record.
+    /// Errors record by record.
     pub records: Vec<RecordError>,
-    /// What was left out, and what makes the error another than that of a prediction.
+    /// What was left out, and why the error differs from that of a prediction.
     pub notes: Vec<String>,
 }
 
-/// A validation with what a report draws.
+/// A validation with the data that a report draws.
 pub struct Validated {
     /// Errors of the model on these records.
     pub validation: Validation,
     /// The prepared records.
     pub data: Data,
-    /// Measured less model, row by row, Pa.
+    /// Measured minus model, row by row, Pa.
     pub residuals: Vec<Vec<f64>>,
 }
 
-/// A model that is to predict records, and what is known of it.
+/// A model for predicting records, and what is known of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Predictor {
-    /// The chamber, without what each record has for itself.
+    /// The chamber, without per-record terms.
     pub chamber: Chamber,
-    /// The error that it has on data like these, Pa rms, with noise; zero where that is not known.
+    /// Its error on similar data, Pa rms, including noise; zero if unknown.
     pub error_pa: f64,
-    /// What each of the records had for itself that the model was identified from.
+    /// Per-record terms of the records from which the model was identified.
     pub of_each_record: OfEachRecord,
 }
 
 impl Predictor {
-    /// A chamber of which nothing else is known.
+    /// A chamber about which nothing else is known.
     pub fn of(chamber: Chamber) -> Self {
         Self { chamber, error_pa: 0.0, of_each_record: OfEachRecord::default() }
     }
@@ -97,8 +96,7 @@ impl Predictor {
 /// Validates a model on a rig's records.
 ///
 /// # Errors
-/// [`Error`]: data that cannot be what it should be, a record that the model cannot follow, records that end with their first
-/// move.
+/// [`Error`]: implausible data, a record that the model cannot follow, records that end with their first move.
 pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Validated, Error> {
     let mut data = Data::prepare(rig)?;
     if !whole_record {
@@ -140,7 +138,7 @@ pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Vali
     Ok(Validated { validation, data, residuals })
 }
 
-/// What is not compared of records with gaps, if anything.
+/// The note on what is not compared in records with gaps, if any.
 fn uncompared(data: &Data, whole_record: bool) -> Option<String> {
     let has_gap = |t: &Prepared| gaps::of(&t.course.motion).next().is_some();
     (!whole_record && data.traces.iter().any(has_gap)).then(|| {
@@ -148,7 +146,7 @@ fn uncompared(data: &Data, whole_record: bool) -> Option<String> {
     })
 }
 
-/// What is said of records that begin before gas and wall are as warm as their surroundings, of which the model knows nothing.
+/// The note on records that begin before gas and wall have the temperature of their surroundings, unknown to the model.
 fn warm_start(data: &Data, model: &Predictor, whole_record: bool, rmse_pa: f64) -> Result<Option<String>, Error> {
     let known_pa = model.error_pa.max(data.noise.total_pa());
     if model.of_each_record.initial_temperature || rmse_pa < UNUSUAL * known_pa {
@@ -164,14 +162,14 @@ fn warm_start(data: &Data, model: &Predictor, whole_record: bool, rmse_pa: f64) 
     }))
 }
 
-/// Each record against the model, with its own numbers.
+/// Each record compared with the model, with its fitted per-record parameters.
 struct Compared {
     parameters: Vec<Estimates>,
-    /// Measured less model, row by row, Pa.
+    /// Measured minus model, row by row, Pa.
     residuals: Vec<Vec<f64>>,
-    /// The first row that is judged.
+    /// The first judged row.
     judged_from: Vec<usize>,
-    /// Sum of the squares of what is judged, Pa², and how many rows that are.
+    /// Sum of squares over the judged rows, Pa², and their number.
     squares: Vec<(f64, usize)>,
 }
 
@@ -192,18 +190,18 @@ impl Compared {
         Ok(Self { parameters, residuals, judged_from, squares })
     }
 
-    /// Error over all rows that are judged, Pa rms; none where there are none.
+    /// Error over all judged rows, Pa rms; `None` without any.
     fn rmse_pa(&self) -> Option<f64> {
         let all = self.squares.iter().fold((0.0, 0), |(sum, rows), (more, further)| (sum + more, rows + further));
         (all.1 > 0).then(|| (all.0 / all.1 as f64).sqrt())
     }
 }
 
-/// What is free of a record: its own numbers.
+/// The hypothesis for these records: only per-record parameters are free.
 fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis {
     let chamber = &model.chamber;
-    // What grows with time cannot be told from a record's start, and a delay of the position not from one of the pressure:
-    // a record's own only where the model or each of its own records has it, and the former only with the whole record.
+    // Growth with time cannot be determined from a record's start, nor a position delay be told from a pressure delay: they are
+    // per-record only where the model or each of its own records has them, and the former only with the whole record.
     let growing = terms::growing_with_time();
     let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
     let own = terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record.effects)));
@@ -214,7 +212,7 @@ fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis 
     let mut hypothesis = Hypothesis::new(data, model, chamber, &Sizes::of(data, chamber));
     hypothesis.axes.clear();
     hypothesis.stated.clear();
-    // The records of a rig scatter about what the model has found of its logger and gauges, less than those scatter.
+    // The records of a rig scatter about the model's values for its logger and gauges, by less than loggers and gauges do.
     for axis in &mut hypothesis.own {
         if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
             let mean = axis.coordinate(chamber.effects.of(e)[p]);
@@ -224,7 +222,7 @@ fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis 
     hypothesis
 }
 
-/// A record's own numbers, fitted to its rows before `until`, and what they leave.
+/// Per-record parameters, fitted to a record's rows before `until`, and the residual.
 fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Result<(Estimates, Vec<f64>), Error> {
     let t = &data.traces[k];
     let failed = |source| Error::Simulation { trace: t.path.clone(), source };
@@ -243,8 +241,9 @@ fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Re
     Ok((hypothesis.own_of(t).iter().enumerate().map(estimate).collect(), residual))
 }
 
-/// The data beside what a model with that error leaves of them, Pa rms: where it errs, a start tells a record's own numbers only
-/// so well. Taken for noise alone, it would bend them until they imitate what the model lacks. `None` where it leaves nothing.
+/// The data with the error of the model beyond noise, Pa rms, added to the noise: where the model errs, a start determines
+/// per-record parameters less well. With the noise alone they would be bent to imitate what the model lacks. `None` where there
+/// is no such error.
 fn weighed(data: &Data, error_pa: f64) -> Option<Data> {
     let left_pa = (error_pa.powi(2) - data.noise.total_pa().powi(2)).max(0.0).sqrt();
     let shortest_s = data.traces.iter().map(Prepared::row_s).fold(f64::INFINITY, f64::min);
@@ -252,7 +251,7 @@ fn weighed(data: &Data, error_pa: f64) -> Option<Data> {
     (left_pa > 0.0).then(|| data.clone().with_noise(data.noise.clone().beside(left_pa, [shortest_s, longest_s])))
 }
 
-/// The row at which the first whole move of a record is over: up to there its own numbers may be fitted.
+/// The row at which the first whole move of a record ends: its parameters may be fitted up to there.
 fn begin_of(t: &Prepared) -> usize {
     let segments = &t.course.motion.segments;
     let whole = segments.iter().skip(usize::from(!t.starts_at_rest)).find(|s| s.phase == Phase::Move);

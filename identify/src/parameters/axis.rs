@@ -1,30 +1,31 @@
-//! Numbers of a fit, of the rig and of a record, and the coordinates in which it changes them.
+//! Parameters of a fit, of the rig and of a record, and the coordinates in which they are fitted.
 
 use chamber::effects::CARDS;
 use chamber::real::Real;
 
-/// A number that holds for the whole rig.
+/// A parameter of the whole rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// λ0.
     Lambda0,
     /// Dead volume.
     DeadVolume,
-    /// A parameter of an effect: its place among the effects, its place on the card.
+    /// A parameter of an effect: index of the effect, index on its card.
     Effect(usize, usize),
-    /// Bore over the stated one.
+    /// Bore, relative deviation from the stated one.
     Bore,
-    /// Scale of the measured position.
+    /// Scale of the measured position, relative deviation from one.
     PositionScale,
-    /// Amplitude of a wave by which the measured position lies off a straight line: `characteristic`.
+    /// Amplitude of a wave of the measured position's nonlinearity: `characteristic`.
     PositionLinearity(usize),
-    /// Zero of the measured position; where the dead volume is free it is part of that.
+    /// Zero of the measured position; contained in the dead volume where that is free.
     PositionZero,
-    /// Ambient temperature less the stated one.
+    /// Ambient temperature minus the stated one.
     AmbientTemperature,
-    /// The gas's heat capacity ratio over the stated one.
+    /// The gas's heat capacity ratio, relative deviation from the stated one.
     HeatCapacityRatio,
-    /// By how much gas at rest is warmer than its surroundings, in all records: where their initial temperatures are free.
+    /// Temperature of gas at rest minus that of its surroundings, common to all records: where their initial temperatures are
+    /// free.
     RestTemperature,
 }
 
@@ -50,7 +51,7 @@ impl Slot {
         matches!(self, Slot::PositionLinearity(_))
     }
 
-    /// Whether a stated number moves within its tolerance in a fit. What an effect's card says stays as it is.
+    /// Whether a stated parameter moves within its tolerance in a fit. Those stated by an effect's card do not.
     pub fn adapts(self) -> bool {
         !matches!(self, Slot::Effect(..))
     }
@@ -68,20 +69,20 @@ impl Slot {
     }
 }
 
-/// A number of one record.
+/// A per-record parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Own {
-    /// Initial pressure over its first guess.
+    /// Initial pressure, relative to its first guess.
     Pressure,
-    /// Initial temperature over its first guess.
+    /// Initial temperature, relative to its first guess.
     Temperature,
-    /// Initial temperature of a wall that warms, over the same first guess.
+    /// Initial temperature of a wall that warms, relative to the same first guess.
     WallTemperature,
-    /// Temperature of its surroundings over the stated one.
+    /// Ambient temperature, relative to the stated one.
     AmbientTemperature,
-    /// Temperature of the gas behind one of its gaps, over that which the stroke taken for the gap leads to.
+    /// Gas temperature behind a gap, relative to that which the stroke assumed in the gap leads to.
     BehindGap(usize),
-    /// A parameter of an effect of the recording.
+    /// A parameter of a recording effect.
     Effect(usize, usize),
 }
 
@@ -109,10 +110,10 @@ impl Own {
     }
 }
 
-/// One coordinate of the fit: x with value = scale · x, or scale · eˣ.
+/// A coordinate x of the fit: value = scale · x, or scale · eˣ.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis<S = Slot> {
-    /// The number behind it.
+    /// The parameter.
     pub slot: S,
     /// Whether it is logarithmic.
     pub logarithmic: bool,
@@ -120,17 +121,17 @@ pub struct Axis<S = Slot> {
     pub scale: f64,
     /// Bounds of x.
     pub bounds: [f64; 2],
-    /// Mean and standard deviation of x before anything is measured.
+    /// Prior mean and standard deviation of x.
     pub prior: Option<[f64; 2]>,
 }
 
 impl<S> Axis<S> {
-    /// Mean of x before anything is measured; zero where nothing is known.
+    /// Prior mean of x; zero without a prior.
     pub fn mean(&self) -> f64 {
         self.prior.map_or(0.0, |[mean, _]| mean)
     }
 
-    /// The number at coordinate x.
+    /// The parameter's value at coordinate x.
     #[inline]
     pub fn value<R: Real>(&self, x: R) -> R {
         if self.logarithmic { x.exp() * self.scale } else { x * self.scale }
@@ -141,7 +142,7 @@ impl<S> Axis<S> {
         if self.logarithmic { self.value(x) } else { self.scale }
     }
 
-    /// The coordinate of a number.
+    /// The coordinate of a value, clamped to the bounds.
     pub fn coordinate(&self, value: f64) -> f64 {
         let x = if self.logarithmic { (value / self.scale).max(f64::MIN_POSITIVE).ln() } else { value / self.scale };
         x.clamp(self.bounds[0], self.bounds[1])

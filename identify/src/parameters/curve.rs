@@ -1,32 +1,32 @@
-//! The values of a curve as numbers of a fit: the effect `empirical`.
+//! Values of a curve (the effect `empirical`) as parameters of a fit.
 
 use super::axis::{Axis, Slot};
 use super::sizes::Sizes;
 use chamber::Chamber;
 use chamber::effects::empirical::{Curve, Empirical, Term, Variable};
 
-/// The curve that an effect of a chamber is, if it is one.
+/// The curve that a chamber's effect represents, if any.
 pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
     (effect == Empirical::PLACE).then(|| Curve::of(chamber.effects.of(effect))).flatten()
 }
 
-/// By how much a value of a curve differs beforehand from the straight line through its neighbours, of the largest value.
+/// Prior standard deviation of a curve's value from the straight line through its neighbours, relative to the largest value.
 const BEND: f64 = 0.04;
 
-/// Standard deviation of a missing share of λ where the piston stands. With one that is the same everywhere λ0 would only go the other
-/// way: λ0 is that of the standing piston.
+/// Prior standard deviation of a share of λ where the piston stands. λ0 is that of the standing piston: a share that is the same
+/// everywhere would only shift λ0 the other way.
 const SHARE_AT_REST: f64 = 0.01;
 
-/// The value of a curve at one of its knots: scaled by what would be a lot on this rig, which is its standard deviation beforehand. That
+/// The coordinate of a curve's value at a knot, scaled by a large value for this rig, which is its prior standard deviation. That
 /// decides what the records leave open.
 pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> Axis {
     let any = [-1e6, 1e6];
     let (scale, bounds) = match curve.term {
-        // What 60 K between gas and wall drive, and a seventh of the work.
+        // What 60 K between gas and wall drive, plus 0.15 of the piston's power.
         Term::HeatFlow => (60.0 * sizes.gas_capacity / sizes.relaxation + 0.15 * sizes.piston_power, any),
-        // A seventh of the gas over a record: density 1.2 kg/m³ at 1 bar.
+        // 0.15 of the gas over a record: density 1.2 kg/m³ at 1 bar.
         Term::MassFlow => (0.15 * 1.2 * sizes.volume * sizes.pressure / 1e5 / sizes.duration, any),
-        // A share above −1 leaves something.
+        // A share above −1 leaves some of λ.
         Term::CoefficientShare => (1.0, [-0.95, 20.0]),
         Term::VolumeShare => (0.06, [-10.0, 20.0]),
         Term::Reading => (0.06 * sizes.pressure, any),
@@ -37,9 +37,9 @@ pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> A
     Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, deviation]) }
 }
 
-/// Combinations of axes whose mean beforehand is zero, with their standard deviations: how much each value of a curve
-/// differs from the straight line through its neighbours. Where nothing is measured a curve goes on as it began. A knot
-/// at zero is free of that: laws have corners where their variable changes its sign.
+/// Combinations of axes whose prior mean is zero, with their standard deviations: the deviation of each value of a curve from the
+/// straight line through its neighbours. Where nothing is measured a curve thus continues straight. A knot at zero is exempt:
+/// laws have corners where their variable changes its sign.
 pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
     let Some((curve, first)) = axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
         Slot::Effect(e, _) => Some((curve_of(e, base)?, i)),
@@ -47,7 +47,7 @@ pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
     }) else {
         return Vec::new();
     };
-    // In coordinates: as a first fit has found the curve, or what would be a lot.
+    // In coordinates: the size of the curve found by a first fit, or else one (a large value).
     let sizes = curve.values.iter().zip(&axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
     let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
     let knots = &curve.knots;

@@ -1,4 +1,4 @@
-//! A model on a rig: which numbers are free, and what each record is simulated with.
+//! A model on a rig: its free parameters, and the setting with which each record is simulated.
 
 use super::axis::{Axis, Own, Slot};
 use super::curve::{self, axis_of_value, curve_of};
@@ -17,38 +17,38 @@ use chamber::simulate::Start;
 use chamber::{Chamber, HeatTransfer};
 use nalgebra::{DMatrix, DVector};
 
-/// Rows by which a position may be early at the most: what has passed a digital filter is, by half of the filter's step, which is no
-/// longer than a row. With more than that, low-pass and delay together would smooth like an average, without any delay.
+/// Maximum rows by which a position may be early. After a digital filter it is early by half of the filter's step, which is at
+/// most a row. With more, low-pass and delay together would smooth like an average, without any delay.
 const EARLIEST_ROWS: f64 = 0.6;
 
-/// A model to be fitted: which numbers are free.
+/// A model to be fitted, with its free parameters.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
-    /// Effects that are in it and the scope of each.
+    /// Effects in the model and the scope of each.
     pub model: Model,
-    /// The rig's free numbers.
+    /// The rig's free parameters.
     pub axes: Vec<Axis>,
-    /// What the rig states within its tolerance, in units of that, and behind it the secondary parameters that the effects' cards
-    /// state.
+    /// Parameters that the rig states within tolerances, in units of these, followed by the secondary parameters that the
+    /// effects' cards state.
     pub stated: Vec<Axis>,
-    /// What each record has for itself beyond its initial state.
+    /// Per-record parameters of effects.
     pub own: Vec<Axis<Own>>,
-    /// What is not free, and the start of what is.
+    /// Values of what is not free, and starting values of what is.
     pub base: Chamber,
     /// Lowest and highest position of all records, m.
     pub positions_m: [f64; 2],
     /// Which records begin at rest.
     pub at_rest: Vec<bool>,
-    /// How far the surroundings of one record scatter about those of all, K: a standard deviation.
+    /// Standard deviation of a record's ambient temperature about that of all records, K.
     pub ambient_scatter_k: f64,
 }
 
 impl Hypothesis {
-    /// Number of free parameters with these records, beyond those that each has whatever the model: its initial pressure, and where
-    /// it begins in motion its initial temperature.
+    /// Number of free parameters with these records, not counting those that each has in every model: its initial pressure and,
+    /// if it begins in motion, its initial temperature.
     pub fn freedom(&self, records: impl Iterator<Item = usize>) -> usize {
         let of_record = |k: usize| {
-            // A record that begins in motion has the gas's whatever the model.
+            // A record that begins in motion has that of the gas in every model.
             let of_start = self.model.own_start as usize
                 - usize::from(self.model.own_start > OwnStart::Nothing && !self.at_rest[k]);
             self.own.len() + of_start
@@ -56,7 +56,7 @@ impl Hypothesis {
         self.axes.len() + records.map(of_record).sum::<usize>()
     }
 
-    /// That model on a rig; begins from `base` (its free numbers too).
+    /// Sets up this model on a rig; `base` also holds the starting values of the free parameters.
     pub fn new(data: &Data, model: Model, base: &Chamber, sizes: &Sizes) -> Self {
         let positions_m = data.positions_m();
         let swept = data.cylinder.piston_area_m2 * positions_m[0];
@@ -75,7 +75,8 @@ impl Hypothesis {
                 (Fitted::Never, _) => false,
                 (Fitted::Secondary, _) => model.secondary.has(e),
                 (Fitted::Always, Kind::Place { index, .. }) => index < in_use,
-                // Of two delays only the difference shows; beside one of the pressures, that of a filtered position is its filter's.
+                // Only the difference of two delays is observable: beside a pressure delay, that of a position with a free
+                // low-pass is held.
                 (Fitted::Always, _) => !(is_delayed && delays_position(e) && model.secondary.has(e)),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
@@ -87,7 +88,7 @@ impl Hypothesis {
                 let known = parameter.prior(&data.gas).filter(|_| !logarithmic);
                 let prior = known.map(|normal| [normal.mean / scale, normal.standard_deviation / scale]);
                 match parameter.prior {
-                    // What tables say of the gas keeps its sign.
+                    // A gas property with a positive tabulated value stays positive.
                     Prior::OfGas(_) if known.is_some_and(|normal| normal.mean > 0.0) => bounds[0] = bounds[0].max(0.0),
                     Prior::Normal(normal) => {
                         let far = policy::DEVIATIONS_BEFOREHAND * normal.standard_deviation / scale;
@@ -101,7 +102,7 @@ impl Hypothesis {
                     bounds[0] = bounds[0].max(earliest_s / scale);
                 }
                 if model.own.has(e) {
-                    // Two clocks have no order: a record's pressure is late beside its position, or its position is.
+                    // Either of two clocks may be late: a record's pressure or its position.
                     if delays_pressure(e) {
                         bounds[0] = -bounds[1];
                     }
@@ -113,13 +114,13 @@ impl Hypothesis {
         }
         let stated = stated(data, &model, positions_m);
         let at_rest = data.traces.iter().map(|t| t.starts_at_rest).collect();
-        // Of a single record the rig's tolerance says it all.
+        // For a single record the rig's tolerance covers this.
         let scatters = if data.traces.len() > 1 { policy::BETWEEN_RECORDS } else { 0.0 };
         let ambient_scatter_k = scatters * data.tolerance.ambient_temperature_k;
         Self { model, axes, stated, own, base: *base, positions_m, at_rest, ambient_scatter_k }
     }
 
-    /// The chamber at these coordinates of the rig, its stated numbers as stated.
+    /// The chamber at these coordinates of the rig, with the stated parameters as stated.
     pub fn chamber<R: Real>(&self, x: &[R]) -> Chamber<R> {
         let mut chamber: Chamber<R> = self.base.lift();
         for (axis, x) in self.axes.iter().zip(x) {
@@ -128,7 +129,8 @@ impl Hypothesis {
         chamber
     }
 
-    /// Adds what is known of the stated numbers, each so many times, to the normal equations of the free numbers and these behind them.
+    /// Adds the priors of the stated parameters, multiplied by `times`, to the normal equations of the free parameters followed
+    /// by the stated ones.
     pub fn add_priors_of_stated(
         &self,
         matrix: &mut DMatrix<f64>,
@@ -142,7 +144,7 @@ impl Hypothesis {
         }
     }
 
-    /// Unit of a number of the rig: a curve's is that of what it is.
+    /// Unit of a rig parameter; for a curve that of its term.
     pub fn unit(&self, slot: Slot) -> &'static str {
         match slot {
             Slot::Effect(e, p) if CARDS[e].parameters[p].unit == Unit::OfTable => {
@@ -152,12 +154,12 @@ impl Hypothesis {
         }
     }
 
-    /// Combinations of axes whose mean beforehand is zero, with their standard deviations: a curve goes on as it began.
+    /// Combinations of axes whose prior mean is zero, with their standard deviations: a curve continues straight.
     pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
         curve::bends(&self.axes, &self.base)
     }
 
-    /// The coordinates of a chamber's numbers.
+    /// The coordinates of a chamber's parameters.
     pub fn coordinates(&self, chamber: &Chamber) -> Vec<f64> {
         self.axes
             .iter()
@@ -172,13 +174,13 @@ impl Hypothesis {
             .collect()
     }
 
-    /// The free numbers of one record: its initial state first.
+    /// The free parameters of one record: its initial state first.
     pub fn own_of(&self, trace: &Prepared) -> Vec<Axis<Own>> {
         let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior: None };
         let mut out = vec![initial(Own::Pressure, trace.initial_pressure_pa)];
         if !trace.starts_at_rest || self.model.own_start >= OwnStart::Gas {
             let mut axis = initial(Own::Temperature, trace.initial_temperature_k);
-            // A gas at rest has nearly the temperature of its surroundings.
+            // Gas at rest has nearly the temperature of its surroundings.
             axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
             out.push(axis);
         }
@@ -200,7 +202,7 @@ impl Hypothesis {
         out
     }
 
-    /// Where a record's own numbers begin: its first guesses, what `base` has of the effects.
+    /// Starting values of a record's parameters: its first guesses, and the effects' values in `base`.
     pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
         let begin = |axis: &Axis<Own>| match axis.slot {
             Own::Pressure | Own::Temperature | Own::WallTemperature | Own::AmbientTemperature | Own::BehindGap(_) => {
@@ -216,7 +218,7 @@ impl Hypothesis {
         data.traces.iter().map(|t| self.first_own(t)).collect()
     }
 
-    /// A number that each record may have for itself, record by record: its axis and its coordinate among the records' `own`.
+    /// A per-record parameter, record by record: its axis and its coordinate in the records' `own`.
     pub fn of_each<'a>(
         &'a self,
         data: &'a Data,
@@ -230,7 +232,7 @@ impl Hypothesis {
         })
     }
 
-    /// Chamber, start and surroundings of one record: `stated` in units of their tolerances.
+    /// Chamber, start and corrections of one record; `stated` in units of the tolerances.
     pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
         let mut chamber = self.chamber(x);
         let (mut correction, mut at_rest) = (Correction::NONE, R::ZERO);
@@ -282,11 +284,11 @@ impl Hypothesis {
 /// What one record is simulated with.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<R> {
-    /// The chamber at the coordinates given, the stated numbers moved.
+    /// The chamber at the given coordinates, with the stated parameters moved.
     pub chamber: Chamber<R>,
-    /// How it begins.
+    /// Initial state.
     pub start: Start<R>,
-    /// By how much surroundings and stroke differ from what is recorded.
+    /// Deviations of ambient temperature and stroke from what is recorded.
     pub correction: Correction<R>,
 }
 
@@ -299,7 +301,7 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
             let parameters = CARDS[e].parameters;
             let values = &mut chamber.effects.0[PARAMETER_OFFSETS[e]..];
             values[p] = value;
-            // A list that is shorter than its places repeats its last number.
+            // A list shorter than its places repeats its last number.
             let places = parameters.iter().zip(values).skip(p + 1);
             let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
             places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
@@ -314,24 +316,24 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
     }
 }
 
-/// Whether a parameter is logarithmic, its size on this rig, and the bounds of its coordinate.
+/// Whether a parameter is logarithmic, its scale on this rig, and the bounds of its coordinate.
 fn coordinates_of(parameter: &Parameter, sizes: &Sizes) -> (bool, f64, [f64; 2]) {
     let size = sizes.size_of(parameter.unit, parameter.typical);
-    // A capacity is off at zero and without effect when large: only its logarithm is at home in a fit.
+    // A capacity is off at zero and without effect when large: it is fitted as its logarithm.
     if parameter.unit == Unit::JoulePerKelvin {
-        // From half the gas's own capacity to so much that nothing warms.
+        // From half the gas's own capacity to one so large that nothing warms.
         return (true, size, [-3.7, 9.0]);
     }
     let (low, mut high) = (*parameter.bounds.start(), *parameter.bounds.end());
     if is_decay(parameter) {
-        // By more than rounding within what its card allows.
+        // Inside the card's limits by more than round-off.
         return (true, size, [(low / size).ln() + f64::EPSILON.sqrt(), (high / size).ln() - f64::EPSILON.sqrt()]);
     }
     match parameter.unit {
-        // Beyond this a conductance, that of the gas to its wall times so many, holds both its sides at one temperature and only makes
-        // the model stiff.
+        // Up to 30 times the conductance from the gas to its wall: beyond that both sides have one temperature, and the model
+        // only becomes stiff.
         Unit::WattPerKelvin => high = high.min(30.0 * size),
-        // And the bore's area is nothing beside an additional one, of which only the product with λ0 counts.
+        // Up to 30 V^⅔: beyond that the bore's area is negligible beside the additional one, and only its product with λ0 counts.
         Unit::SquareMetre => high = high.min(300.0 * size),
         _ => {}
     }
@@ -386,7 +388,7 @@ mod tests {
         let (axis, t) = (axis.unwrap(), &data.traces[0]);
         let scatter_k = axis.prior.unwrap()[1] * axis.scale;
         assert!((scatter_k - 0.2 * data.tolerance.ambient_temperature_k).abs() < 1e-9);
-        // Gas at rest and the wall have it.
+        // Gas at rest and the wall follow it.
         let x = h.coordinates(&h.base);
         let setting = |kelvin: f64| h.setting(t, &x, &[], &[1.0, 1.0 + kelvin / t.initial_temperature_k]);
         let (as_stated, warmer) = (setting(0.0), setting(0.5));
@@ -394,7 +396,7 @@ mod tests {
         assert!((warmer.correction.warmer - as_stated.correction.warmer - 0.5).abs() < 1e-9);
     }
 
-    /// The last number that a fit of this effect alone has free, on a rig.
+    /// The last free parameter of a fit with this effect alone, on a rig.
     fn last_axis(effect: usize) -> (Axis, Sizes) {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);

@@ -1,24 +1,24 @@
-//! Which terms a model has beyond the paper's.
+//! Terms of a model beyond the paper's.
 
 use chamber::card::{ActsOn, Card, Unit};
 use chamber::effects::{self, CARDS, EffectSet, EffectValues, WallHeating};
 
-/// Temperatures that each record begins with for itself, also where it begins at rest: each step is a term.
+/// Per-record initial temperatures, also where a record begins at rest: each step is a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum OwnStart {
-    /// Gas and wall begin as warm as their surroundings.
+    /// Gas and wall begin at the temperature of their surroundings.
     Nothing,
     /// The gas does not: it was filled or moved shortly before.
     Gas,
-    /// A wall that warms does not either: tests shortly before have warmed or cooled it.
+    /// Nor does a wall that warms: tests shortly before have warmed or cooled it.
     GasAndWall,
 }
 
 impl OwnStart {
-    /// From nothing to all.
+    /// In increasing order.
     pub const ALL: [Self; 3] = [Self::Nothing, Self::Gas, Self::GasAndWall];
 
-    /// The term that it has beyond the one before it.
+    /// The term that it adds to the one before it.
     pub fn term(self) -> Option<&'static str> {
         match self {
             Self::Nothing => None,
@@ -28,21 +28,21 @@ impl OwnStart {
     }
 }
 
-/// Which model is to be fitted.
+/// A model to be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Model {
     /// Effects beyond the paper's model.
     pub effects: EffectSet,
-    /// Those of them whose parameters each record has for itself.
+    /// Those of them with per-record parameters.
     pub own: EffectSet,
     /// Effects whose secondary parameters are free too.
     pub secondary: EffectSet,
-    /// Which initial temperatures each record has for itself.
+    /// Per-record initial temperatures.
     pub own_start: OwnStart,
 }
 
 impl Model {
-    /// The paper's.
+    /// The paper's model.
     pub const PAPER: Model = Model {
         effects: EffectSet::NONE,
         own: EffectSet::NONE,
@@ -50,12 +50,12 @@ impl Model {
         own_start: OwnStart::Nothing,
     };
 
-    /// The paper's with these effects of the rig.
+    /// The paper's model with these effects of the rig.
     pub fn with(effects: EffectSet) -> Self {
         Self { effects, ..Self::PAPER }
     }
 
-    /// Without some effects, and what is free of them.
+    /// Removes these effects and their free parameters.
     pub fn without(&self, effects: EffectSet) -> Self {
         let without = |set: EffectSet| set.without(effects);
         let [own, secondary] = [self.own, self.secondary].map(without);
@@ -63,32 +63,32 @@ impl Model {
         Self { effects, own, secondary, own_start: self.own_start.min(Self::with(effects).most_of_start()) }
     }
 
-    /// The most that its records can have for themselves of their start.
+    /// The most initial temperatures that its records can have free.
     pub fn most_of_start(&self) -> OwnStart {
         if self.effects.has(WallHeating::PLACE) { OwnStart::GasAndWall } else { OwnStart::Gas }
     }
 
-    /// The same terms, none with secondary parameters free.
+    /// The same terms without free secondary parameters.
     pub fn with_nothing_freed(&self) -> Self {
         Self { secondary: EffectSet::NONE, ..*self }
     }
 
-    /// Whether another model has the same terms, whatever is freed of them.
+    /// Whether another model has the same terms, whatever secondary parameters are free.
     pub fn has_same_terms(&self, other: &Self) -> bool {
         self.with_nothing_freed() == other.with_nothing_freed()
     }
 
-    /// Effects that hold for the rig: what a diagnosis names.
+    /// Effects of the rig: those that a diagnosis names.
     pub fn of_rig(&self) -> EffectSet {
         self.effects.without(self.own)
     }
 
-    /// Whether some of it each record has for itself, beyond its initial pressure: with many records that fits much.
+    /// Whether it has per-record terms beyond the initial pressure: with many records they can fit a lot.
     pub fn has_terms_of_records(&self) -> bool {
         self.own_start > OwnStart::Nothing || !self.own.is_empty()
     }
 
-    /// Number of effects that shift or smear the records in time, and the stroke's noise with them.
+    /// Number of effects that shift or smear the records in time, including the noise of the stroke.
     pub fn timings(&self) -> usize {
         self.effects.iter().filter(|&e| is_timing(&CARDS[e])).count()
     }
@@ -108,18 +108,18 @@ impl Model {
     }
 }
 
-/// Whether an effect of the sensor or the logger shifts or smears records in time, and has no part in how much is read.
+/// Whether an effect of the sensor or the logger shifts or smears records in time without changing the amount read.
 pub fn is_timing(card: &Card) -> bool {
     let of_recording = matches!(card.acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
     of_recording && card.parameters.iter().all(|p| p.unit == Unit::Second)
 }
 
-/// Whether the effect shows the pressure late.
+/// Whether the effect delays the pressure.
 pub fn delays_pressure(effect: usize) -> bool {
     ones(effect).delay(EffectSet::one(effect)) > 0.0
 }
 
-/// Whether the effect is a stroke that was recorded late.
+/// Whether the effect is a delay of the recorded stroke.
 pub fn delays_position(effect: usize) -> bool {
     ones(effect).stroke_delay(EffectSet::one(effect)) > 0.0
 }
@@ -130,7 +130,7 @@ fn ones(effect: usize) -> EffectValues {
     values
 }
 
-/// Places of the effects of a set, by name, in the list's order.
+/// Names of the effects of a set, in the list's order.
 pub fn names(set: EffectSet) -> Vec<&'static str> {
     effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| card.name).collect()
 }

@@ -1,16 +1,17 @@
-//! How large the effects' parameters are on a rig.
+//! Typical sizes of the effects' parameters on a rig.
 
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::card::{Parameter, Unit};
 
-/// Speeds below this are none of a piston, m/s.
+/// Lower limit of a piston's largest speed, m/s.
 const LEAST_SPEED: f64 = 1e-3;
-/// A move's speed is looked at in so many places: its peak lies between two of them by less than a percent, which no start minds.
+/// Points at which a move's speed is sampled: they miss its peak by less than a percent, which is good enough for a starting
+/// value.
 const PLACES: u32 = 20;
 
-/// Sizes that parameters have on this rig, by unit: a start for fits that the card's typical value cannot give, since a
-/// wall of 1 J/K is heavy for a pencil-sized cylinder and nothing for a gas spring.
+/// Parameter sizes on this rig, by unit: starting values that the card's typical value cannot provide, since a wall of 1 J/K is
+/// heavy for a pencil-sized cylinder and nothing for a gas spring.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
     /// Heat capacity of the gas, J/K.
@@ -34,7 +35,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Of a rig with the fitted chamber.
+    /// For a rig with the fitted chamber.
     pub fn of(data: &Data, chamber: &Chamber) -> Self {
         let n = data.traces.len() as f64;
         let mean = |f: &dyn Fn(&Prepared) -> f64| data.traces.iter().map(f).sum::<f64>() / n;
@@ -62,31 +63,31 @@ impl Sizes {
         }
     }
 
-    /// Size of a parameter with that unit on this rig; for a dimensionless one its typical value. It is a start, or the measure of a
-    /// coordinate: a few times more or less makes no other fit.
+    /// Size of a parameter with this unit on this rig; for a dimensionless one its typical value. It is a starting value or the
+    /// scale of a coordinate: a few times more or less does not change the fit.
     pub fn size_of(&self, unit: Unit, typical: f64) -> f64 {
         match unit {
             Unit::One | Unit::OfTable => typical.abs(),
-            // Doubles the coefficient at the largest speed, whose power 0.8 forced convection goes by.
+            // Doubles the coefficient at the largest speed: forced convection is proportional to its power 0.8.
             Unit::SpeedPower => self.speed.powf(-0.8),
             // The same.
             Unit::SecondPerMetre => 1.0 / self.speed,
             Unit::MetrePerSecond => self.speed,
             Unit::Second => self.row,
-            // A usual stroke.
+            // A typical stroke.
             Unit::Metre => 0.1,
-            // A tube of a twentieth of the volume, and the wall of a fitting: a tenth of that of a cube as large as the gas.
+            // A tube of a twentieth of the volume; the wall of a fitting: a tenth of a face of a cube with the gas's volume.
             Unit::CubicMetre => 0.05 * self.volume,
             Unit::SquareMetre => 0.1 * self.volume.powf(2.0 / 3.0),
             // A wall beside a warm machine.
             Unit::Kelvin | Unit::KelvinDifference => 10.0,
             Unit::PerKelvin | Unit::PerSquareKelvin | Unit::InverseEffusivity => typical.abs(),
-            // An offset that a glance at the readings shows, and a drift that is seen over a record.
+            // An offset visible at a glance, and a drift visible over a record.
             Unit::Pascal | Unit::PascalDifference => 10.0 * self.noise,
             Unit::PascalPerSecond => self.noise / self.duration,
-            // A wall holds far more heat than the gas: the skin of it that warms up in a test some twenty times as much.
+            // A wall stores far more heat than the gas: the layer of it that warms in a test some twenty times as much.
             Unit::JoulePerKelvin => 20.0 * self.gas_capacity,
-            // As much as relaxes the gas.
+            // The conductance that relaxes the gas.
             Unit::WattPerKelvin => self.gas_capacity / self.relaxation,
             // A leak that loses a hundredth of the gas over a record: density 1.2 kg/m³ at C p.
             Unit::SonicConductance => 0.01 * self.volume / self.duration / 1e5,
@@ -94,7 +95,7 @@ impl Sizes {
     }
 }
 
-/// Whether a parameter is a time in which something decays: one that cannot be zero.
+/// Whether a parameter is a decay time, which cannot be zero.
 pub fn is_decay(parameter: &Parameter) -> bool {
     parameter.unit == Unit::Second && *parameter.bounds.start() > 0.0
 }

@@ -1,4 +1,4 @@
-//! What the rig states within its tolerances, and the effects' cards of their secondary parameters: numbers that stay as stated.
+//! Parameters that stay as stated: by the rig within tolerances, and by the effects' cards for secondary parameters.
 
 use super::axis::{Axis, Slot};
 use super::model::{Model, OwnStart};
@@ -7,23 +7,23 @@ use crate::record::data::Data;
 use chamber::card::Fitted;
 use chamber::effects::CARDS;
 
-/// By how much a gas at rest differs from its surroundings, K: a standard deviation, of all records together and of each.
+/// Standard deviation of the difference between gas at rest and its surroundings, K, for all records together and for each.
 pub const REST_DEVIATION_K: f64 = 3.0;
 
-/// The same of a wall that tests shortly before have warmed or cooled, of each record.
+/// The same for a wall warmed or cooled by preceding tests, for each record.
 pub const WALL_DEVIATION_K: f64 = 5.0;
 
-/// What the rig states, and behind it what the effects' cards state of secondary parameters that are not free; of records between
-/// these positions, m.
+/// Parameters that the rig states, followed by the secondary parameters that the effects' cards state and that are not free; for
+/// records between these positions, m.
 pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
     let mut all = by_rig(data, model, positions_m);
     all.extend(by_cards(data, model));
     all
 }
 
-/// What the rig states, each in units of its tolerance; of a gas that was moved, from where it is now. That gas at rest has the
-/// temperature of its surroundings is such a statement too: where it does not hold it fails in all records alike, for which a wall of
-/// another temperature would stand.
+/// Parameters that the rig states, in units of their tolerances; the prior of a γ or zero that was moved stays at the stated
+/// value. That gas at rest has the temperature of its surroundings is such a statement too: where it is wrong, it is so in all
+/// records alike, and a wall of another temperature would imitate it.
 fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
     let rest = if model.own_start > OwnStart::Nothing { REST_DEVIATION_K } else { 0.0 };
@@ -46,7 +46,7 @@ fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     all.map(|(slot, scale)| Axis { prior: Some([mean(slot), 1.0]), ..within_tolerance(slot, scale) }).collect()
 }
 
-/// Secondary parameters that are not free, in units of how far they are known beforehand.
+/// Secondary parameters that are not free, in units of their prior standard deviations.
 fn by_cards(data: &Data, model: &Model) -> Vec<Axis> {
     let held = model.of_rig().without(model.secondary);
     let of_effect = |e: usize| CARDS[e].fitted(Fitted::Secondary).map(move |(p, it)| (e, p, it));
@@ -56,7 +56,7 @@ fn by_cards(data: &Data, model: &Model) -> Vec<Axis> {
         .collect()
 }
 
-/// A stated number with its tolerance, or how far it is known, as its unit.
+/// A stated parameter with its tolerance, or prior standard deviation, as unit.
 fn within_tolerance(slot: Slot, scale: f64) -> Axis {
     Axis { slot, logarithmic: false, scale, bounds: [-1e3, 1e3], prior: Some([0.0, 1.0]) }
 }

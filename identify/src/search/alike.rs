@@ -10,8 +10,8 @@ use chamber::effects::{CARDS, EffectSet};
 use rayon::prelude::*;
 
 impl Search {
-    /// Tries the sets beside the chosen one that shift or smear the records in time otherwise: within a row a delay and a lag are
-    /// hardly told apart, and the search need not have come to both.
+    /// Tries sets that shift or smear the records in time in another way than the chosen one: within a row a delay and a lag are
+    /// hardly distinguishable, and the search need not have reached both.
     pub(super) fn try_other_timings(&mut self) {
         let models = terms::with_other_timing(&self.chosen.model);
         let fresh: Vec<Model> =
@@ -20,8 +20,8 @@ impl Search {
         self.keep(fitted);
     }
 
-    /// Tries the sets next to the chosen one with none of their secondary parameters free, where that has about as much evidence: with a
-    /// number that nothing needs, which the chosen one does not have, they would seem told apart from it.
+    /// Tries sets close to the chosen one without free secondary parameters, if their evidence is about the same: with a
+    /// parameter that is not needed, and that the chosen one lacks, they would seem distinguishable from it.
     pub(super) fn try_leaner_rivals(&mut self) {
         let chosen = &self.chosen;
         let price = |c: &Candidate| {
@@ -37,8 +37,8 @@ impl Search {
         self.keep(leaner);
     }
 
-    /// Whether a set shifts or smears the records in time otherwise than the chosen one, and each of them by less than half a row:
-    /// the stroke between rows, and by it what tells one from the other, is not known so well.
+    /// Whether a set differs from the chosen one in how it shifts or smears the records in time, by less than half a row in
+    /// either: the stroke between rows, which tells one from the other, is not known that well.
     fn differs_within_a_row(&self, other: &Candidate) -> bool {
         let [ours, theirs] = [self.chosen.model.of_rig(), other.model.of_rig()];
         let (gone, new) = (ours.without(theirs), theirs.without(ours));
@@ -48,8 +48,8 @@ impl Search {
             && seconds(&self.chosen, gone).max(seconds(other, new)) < 0.5 * self.data.shortest_row_s()
     }
 
-    /// Sets that the data cannot tell from the chosen one: others of as many terms with about the same evidence or more, whose numbers
-    /// can be a rig's.
+    /// Sets that the data cannot tell from the chosen one: different ones with as many terms, about the same evidence or more,
+    /// and credible parameters.
     pub(super) fn alike(&self) -> Vec<Model> {
         let is_near = |c: &&Candidate| {
             let by = self.chosen.delta_bic - c.delta_bic;
@@ -61,12 +61,12 @@ impl Search {
     }
 }
 
-/// Whether a set has as many terms as the chosen one, and others.
+/// Whether a set has as many terms as the chosen one, but different ones.
 fn is_other(model: &Model, chosen: &Model) -> bool {
     model.terms() == chosen.terms() && !model.has_same_terms(chosen)
 }
 
-/// How far effects shift or smear the records in time, s.
+/// Largest time by which effects shift or smear the records, s.
 fn seconds(c: &Candidate, effects: EffectSet) -> f64 {
     let chamber = c.fit.chamber();
     effects.iter().map(|e: usize| chamber.effects.of(e)[0]).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! The search begun anew with other weights of the data: the outliers, the noise and the open course of moves that a better model
+//! Restarts the search with other weights of the data: the outliers, the noise and the uncertainty of moves that a better model
 //! shows.
 
 use super::starts::fit_model;
@@ -10,8 +10,8 @@ use crate::record::data::Data;
 use crate::record::{colour, outliers};
 use rayon::prelude::*;
 
-/// The data as a fit shows them, with the noise that it leaves where it tells that or leaves far less than was taken for noise;
-/// `None` where that is as they are taken.
+/// The data as a fit shows them, with the noise of its residual if `tells_noise` or if that is far less than what was taken for
+/// noise; `None` where nothing changes.
 pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
     let residuals = misfit::residuals(data, fit);
     let found = outliers::in_residuals(data, &residuals);
@@ -21,7 +21,7 @@ pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
         other = Some(other.unwrap_or_else(|| data.clone()).without(&found));
     }
     let shown = other.as_ref().unwrap_or(data);
-    // Repeats that differ by what their moves leave open differed by more than noise before.
+    // Repeats that differ within the uncertainty of their moves seemed to differ by more than noise before.
     let tells_noise = tells_noise || shown.is_stirred();
     let leaves_far_less = misfit::rms(shown, &residuals) < policy::FAR_LESS_NOISE * shown.noise.total_pa();
     if tells_noise || leaves_far_less {
@@ -34,18 +34,18 @@ pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
 }
 
 impl Search {
-    /// Begins again with the outliers and the noise that this fit leaves and, where its records are moving averages, without what
-    /// these leave open of the moves; whether that is other data. The paper's model is then fitted anew.
+    /// Restarts with the outliers and the noise that this fit shows and, where its records are moving averages, with the
+    /// uncertainty of moves that these leave; returns whether the data have changed. The paper's model is then refitted.
     pub(super) fn weighs_anew(&mut self, best: &Fit) -> bool {
         let Some(data) = as_shown_by(&self.data, best, true) else { return false };
         self.begin_again(data);
         true
     }
 
-    /// Begins again with the data as the chosen model shows them, in whatever round that was found: without what the moves leave
-    /// open where the records are averages, without its outliers, and with the noise that it leaves where it has found when each
-    /// record was read, or leaves far less of it. Before, repeats that are read at different times, or that moved differently,
-    /// differ by more than noise. All that was tried is fitted anew.
+    /// Restarts with the data as the chosen model shows them, whatever round found it: with the uncertainty of moves where the
+    /// records are averages, without its outliers, and with its noise where it has per-record timings, or leaves far less noise.
+    /// Before, repeats that were read at different times, or that moved differently, differ by more than noise. Everything tried
+    /// is refitted.
     pub(super) fn reweigh(&mut self) {
         let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
         let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
@@ -56,10 +56,10 @@ impl Search {
         self.take_best(self.tried.clone());
     }
 
-    /// Fits the paper's model to data with other weights, and begins the search with it.
+    /// Fits the paper's model to reweighted data, and restarts the search with it.
     fn begin_again(&mut self, data: Data) {
         self.data = data;
-        // Without other outliers there are other blocks.
+        // Other outliers make other blocks.
         self.folds = left_out::folds(&self.data);
         let fit = self.refit(&self.baseline.fit, Until::SETTLED).unwrap_or_else(|| self.baseline.fit.clone());
         self.baseline_adequacy = adequacy::test(&self.data, &fit);
@@ -74,7 +74,7 @@ impl Search {
         fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &selection, until).ok()
     }
 
-    /// Candidates, the best first, fitted again; those that stay far behind the best are not waited for.
+    /// Refits candidates, given best first; those that stay far above the best are given up.
     pub(super) fn refitted(&self, candidates: &[Candidate]) -> Vec<Candidate> {
         let Some((first, others)) = candidates.split_first() else { return Vec::new() };
         let best = self.refit(&first.fit, Until::SETTLED);
@@ -86,8 +86,8 @@ impl Search {
         out
     }
 
-    /// A candidate, begun anew from the best of its parts among the others where that fits better: with other weights of the
-    /// data the part may have gone on to a lower valley, and the candidate have stayed where it was.
+    /// A candidate, refitted from the best of its parts among the others where that fits better: with other weights of the data
+    /// the part may have moved to a lower valley while the candidate stayed where it was.
     fn no_worse_than_a_part(&self, c: &Candidate, others: &[Candidate]) -> Candidate {
         let squares = |c: &Candidate| evidence::of_squares(c.fit.marginal, c.fit.blocks, 0);
         let is_part = |part: &&Candidate| part.model != c.model && terms::is_part(&part.model, &c.model);
@@ -145,7 +145,7 @@ mod tests {
         let truth = recipe.chamber.heat_transfer.coefficient;
         let found = fit.chamber().heat_transfer.coefficient;
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
-        // A model without it has no part in that.
+        // A model without forced convection does not show this.
         assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().is_stirred());
     }
 }

@@ -1,17 +1,17 @@
-//! The zero of the positions that the records ask for, where the dead volume is known.
+//! Repeats the search with the position zero that the records favour, where the dead volume is known.
 //!
-//! The zero stays as stated in every fit; for the evidence alone it moves within its tolerance, to first order. Of an offset of a
-//! millimetre near the end of the chamber what that leaves is many times the noise of quiet records, and an effect takes it up
-//! (`tube_volume`). Where the model that is reported, or that without one of its terms, asks for another zero with decisive evidence, all is
-//! therefore searched again with the dead volume counted from there. The zero's prior stays where the rig states it. A dead volume that
-//! is not known is free, and has the zero in it.
+//! The zero stays as stated in every fit; only for the evidence does it move within its tolerance, to first order. What this
+//! leaves of an offset of a millimetre near the end of the chamber is many times the noise of quiet records, and an effect takes
+//! it up (`tube_volume`). Where the reported model, or that without one of its terms, favours another zero with decisive
+//! evidence, the search is therefore repeated with the dead volume counted from there. The zero's prior stays at the stated
+//! value. An unknown dead volume is free and contains the zero.
 
 use super::{Candidate, Found, moved, search_as_stated, terms};
 use crate::error::Error;
 use crate::parameters::Slot;
 use crate::record::data::Data;
 
-/// Searches with the zero as stated, and once more with another one where the records ask for it; what is found there counts.
+/// Searches with the zero as stated, and again with another one where the records favour it; returns the result that counts.
 ///
 /// # Errors
 /// As [`search_as_stated`].
@@ -23,7 +23,7 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     Ok(moved::which_counts((data, found), elsewhere))
 }
 
-/// How many tolerances the zero is off, where the records leave little doubt of it.
+/// Move of the zero, in tolerances, where the records leave little doubt of it.
 fn asked(found: &Found) -> Option<f64> {
     let reported = &found.reported().model;
     let is_near = |c: &&Candidate| terms::is_part(&c.model, reported) && c.model.terms() + 1 >= reported.terms();

@@ -1,4 +1,4 @@
-//! The paper's model fitted to everything, with outliers left out and the noise that its residual shows.
+//! The paper's model fitted to all data, with outliers left out and the noise that its residual shows.
 
 use crate::error::Error;
 use crate::fit::{self, Failure, Fit};
@@ -10,10 +10,10 @@ use crate::record::noise::Noise;
 use crate::record::{colour, outliers, unlike_repeats};
 use rayon::prelude::*;
 
-/// Fits the paper's model; the data come back without outliers and with the noise that it shows.
+/// Fits the paper's model; returns the data without outliers and with the noise that the fit shows.
 ///
 /// # Errors
-/// Where its simulation fails at the very start.
+/// Where its simulation fails at the starting point.
 pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
     let (data, first, residuals) = without_unlike_repeats(data)?;
     let found = outliers::in_residuals(&data, &residuals);
@@ -29,7 +29,7 @@ pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
     Ok((data, fit))
 }
 
-/// The paper's model fitted without the records that are not like their repeats, and what it leaves of all, Pa.
+/// The paper's model fitted without records unlike their repeats, and its residuals on all, Pa.
 fn without_unlike_repeats(data: Data) -> Result<(Data, Fit, Vec<Vec<f64>>), Error> {
     let first = from_scratch(&data)?;
     let residuals = misfit::residuals(&data, &first);
@@ -47,7 +47,7 @@ fn without_unlike_repeats(data: Data) -> Result<(Data, Fit, Vec<Vec<f64>>), Erro
     if better.is_empty() { Ok(without) } else { fitted(without.0.with_records_again(&better)) }
 }
 
-/// Whether two noises weigh data alike.
+/// Whether two noise estimates weight data alike.
 pub fn is_alike(a: &Noise, b: &Noise) -> bool {
     const NEARLY: f64 = 0.05;
     let near = |x: f64, y: f64| (x - y).abs() <= NEARLY * x.abs().max(y.abs());
@@ -73,7 +73,7 @@ fn from_scratch(data: &Data) -> Result<Fit, Error> {
     best.map_err(|(k, source)| Error::Simulation { trace: data.traces[k].path.clone(), source })
 }
 
-/// The one that leaves less; of two that failed, the latter.
+/// The fit with the smaller χ²; of two that failed, the latter.
 fn better(one: Result<Fit, Failure>, other: Result<Fit, Failure>) -> Result<Fit, Failure> {
     match (one, other) {
         (Ok(one), Ok(other)) => Ok(if other.chi2 < one.chi2 { other } else { one }),

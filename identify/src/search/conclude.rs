@@ -1,6 +1,6 @@
-//! How a search ends: terms that nothing needs go out again (`needed`), what is left is judged (`verdict`), sets with one effect
-//! exchanged are tried where several explain the records, and where more than noise is left the missing term is read off as a curve
-//! ([`curve`](super::curve)). At last the reported model is checked for contradictions (`contradictions`).
+//! End of a search: removes terms that are not needed (`needed`), judges the rest (`verdict`), tries sets with one effect
+//! exchanged where several explain the records, and fits the missing term as a curve where more than noise is left
+//! ([`curve`](super::curve)). Finally the reported model is checked for contradictions (`contradictions`).
 
 use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
@@ -9,7 +9,7 @@ use crate::policy;
 use crate::record::data::Data;
 
 impl Search {
-    /// Comes to a verdict, with the data as the search has weighed them.
+    /// Reaches a verdict; returns it with the data as the search has weighted them.
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
         let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
@@ -60,23 +60,24 @@ impl Search {
         Ok((self.data, found))
     }
 
-    /// The verdict on the chosen model, whether what the records have for themselves follows the kind of test, and whether it carries
-    /// over to records that were left out whole.
+    /// The verdict on the chosen model, whether its per-record terms follow the kind of test, and whether it carries over to
+    /// records left out whole.
     fn judged_as_a_whole(&self) -> (Verdict, bool, bool) {
         let follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
         let carries_over = self.carries_over();
         (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
     }
 
-    /// Tries the more promising of the sets with a further effect; whether one entered. With noise left the rounds have ended before them,
-    /// but the numbers may depend on what is hidden in that.
+    /// Tries the most promising sets with a further effect; returns whether one entered. With only noise left the rounds have
+    /// ended before them, but the parameters may depend on an effect hidden in the noise.
     fn try_further(&mut self) -> bool {
         let further = terms::added_to(&self.data, &self.chosen.model);
         self.try_all([further.into_iter().filter(|model| !model.has_terms_of_records()).collect()])
     }
 
-    /// Tries sets with another effect in the place of each of the chosen ones, by what is left without it, where these are so many
-    /// that the search, which adds one effect after another, has not come to all such sets; whether one entered.
+    /// Tries sets with another effect in place of each of the chosen ones, added to `parts`, the models without it. This is for
+    /// sets so large that the search, adding one effect after another, has not reached all of that size. Returns whether one
+    /// entered.
     fn try_others_in_place(&mut self, parts: &[Candidate]) -> bool {
         let chosen = self.chosen.model;
         if chosen.of_rig().iter().count() < policy::EXCHANGED_FROM {
@@ -88,7 +89,7 @@ impl Search {
         self.try_all([models])
     }
 
-    /// Takes a model with a curve as the last step of those that led to it.
+    /// Appends a model with a curve as the last of the steps that led to it.
     fn take_curve(&mut self, with_curve: &Candidate) {
         self.steps.retain(|s| terms::is_part(&s.model, &with_curve.model));
         self.steps.push(with_curve.clone());

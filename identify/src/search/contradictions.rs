@@ -1,4 +1,5 @@
-//! What contradicts itself: a set that no chamber can be does not enter, and a rig whose records ask for one is refused ([`sanity`]).
+//! Contradictions: a set with parameters that no chamber can have does not enter, and a rig whose records call for one is refused
+//! ([`sanity`]).
 
 use super::{Candidate, Found, Search};
 use crate::error::Error;
@@ -10,17 +11,17 @@ use chamber::card::Balance;
 use chamber::effects::CARDS;
 
 impl Search {
-    /// Refuses wrong pressures beside the chosen model, and beside the best one with a leak: without it the first fit cannot tell, and with
-    /// wrong pressures another term may have entered in its place.
+    /// Refuses wrong pressures beside the chosen model, and beside the best one with a leak: without the leak the first fit
+    /// cannot show them, and with wrong pressures another term may have entered in its place.
     pub(super) fn refuse_pressures(&self) -> Result<(), Error> {
         let leaky = self.tried.iter().find(|c| has_a_leak_alone(&c.model));
         let leaky = leaky.filter(|c| c.model != self.chosen.model);
         [Some(&self.chosen), leaky].into_iter().flatten().try_for_each(|c| sanity::reference(&self.data, &c.fit))
     }
 
-    /// Whether a set may have its heat transfer coefficient. One that no gas can have may be that of a wrong unit of time, which the
-    /// end of the search refuses, if the set leaves only noise or if that of the chosen model is none either. Else a fit has only
-    /// bent it: what is wrong is the set and not the rig.
+    /// Whether a set's heat transfer coefficient is acceptable. An implausible one may be due to a wrong unit of time, which the
+    /// end of the search refuses, if the set leaves only noise or if that of the chosen model is implausible too. Otherwise a fit
+    /// has only distorted it: the set is wrong and not the rig.
     pub(super) fn may_have_its_coefficient(&self, c: &Candidate) -> bool {
         has_plausible_coefficient(&c.fit)
             || !has_plausible_coefficient(&self.chosen.fit)
@@ -28,8 +29,7 @@ impl Search {
     }
 }
 
-/// Refuses a model found whose dead volume or coefficient is none that a chamber can have, and a dead volume that alone may have kept
-/// a better one out.
+/// Refuses a result with an impossible dead volume or coefficient, and a dead volume that alone may have kept a better set out.
 pub(super) fn refuse(data: &Data, found: &Found) -> Result<(), Error> {
     sanity::dead_volume(data, &found.reported().fit)?;
     if let Some(better) = found.better_than_reported(data) {
@@ -41,7 +41,7 @@ pub(super) fn refuse(data: &Data, found: &Found) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether the rig alone loses or gains gas, and nothing is taken up by terms of single records.
+/// Whether the rig loses or gains gas, without per-record terms that could take that up.
 fn has_a_leak_alone(model: &Model) -> bool {
     !model.has_terms_of_records() && model.effects.iter().any(|e| CARDS[e].balance == Balance::Mass)
 }
@@ -70,7 +70,7 @@ mod tests {
         };
         assert!(takes(&mut search, &better));
 
-        // A thousandth of the coefficient, as of times in ms that are declared as s.
+        // A thousandth of the coefficient, as for times in ms declared as s.
         better.fit.rig[0] -= 1e3f64.ln();
         assert!(!has_plausible_coefficient(&better.fit));
         assert!(search.may_have_its_coefficient(&better), "it leaves only noise");

@@ -1,12 +1,12 @@
-//! Where no name fits, the missing term as a curve: read off the residual, refitted with everything else, and kept only where
-//! it carries over.
+//! The missing term as a curve, where no named effect fits: determined from the residual, refitted with everything else, and kept
+//! only if it carries over to left-out experiments.
 //!
-//! The families that a model can hold ([`discrepancy::Families::curves`]) are ranked by what they take away to first order, on
-//! the paper's model and on the one with the named effects. The best are refitted, their values free beside all else: as closely
-//! as the judgement needs, the accepted one to its minimum. What experiments leave in common is easily fitted by any curve, so
-//! that a curve has to predict whole experiments that took no part, decisively better than the model without it:
-//! [`policy::PREDICTS_BETTER`]. Two or more named effects that together leave no more than noise give way to a curve that alone
-//! is decisively more likely: they only imitated it.
+//! The families that a model can hold ([`discrepancy::Families::curves`]) are ranked by their gain to first order, on the paper's
+//! model and on the one with the named effects. The best are refitted with their values free beside all else: as accurately as
+//! the judgement needs, the accepted one to its minimum. Any curve easily fits what experiments leave in common, so it must
+//! predict whole left-out experiments, decisively better than the model without it: [`policy::PREDICTS_BETTER`]. Two or more
+//! named effects that together leave only noise are replaced by a curve that alone is decisively more likely: they only imitated
+//! it.
 
 use super::entry::is_credible;
 use super::{Candidate, Search, terms};
@@ -23,43 +23,44 @@ use chamber::effects::empirical::Curve;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Curves that are refitted, on each model.
+/// Number of curves refitted, on each model.
 const REFITTED: usize = 4;
-/// A curve that to first order takes away less than this share of the squares beyond noise is not refitted: on left-out
-/// experiments it would have to take three quarters. Where the model fails on those, little on the others may do much there.
+/// A curve that to first order removes less than this fraction of the squares beyond noise is not refitted: on left-out
+/// experiments it would have to remove three quarters. Where the model fails on those, a small gain on the others may be large
+/// there.
 const LEAST_SHARE: f64 = 0.5;
-/// A refitted curve has at the most so many times the evidence that it has to first order, beside what it is added to.
+/// Maximum evidence of a refitted curve over the model it is added to, as a multiple of that to first order.
 const FIRST_ORDER: f64 = 5.0;
-/// Refitted curves that are judged by left-out experiments, on each model.
+/// Number of refitted curves judged on left-out experiments, on each model.
 const CURVES_JUDGED: usize = 3;
-/// A name goes out where the model predicts left-out experiments nearly as well without it: its error over that with it.
+/// Maximum error on left-out experiments without a name, relative to that with it, for the name to be removed.
 const NEARLY_AS_WELL: f64 = 1.1;
 
-/// The best curve that was found.
+/// The best curve found.
 #[derive(Clone, Debug)]
 pub struct ReadOff {
-    /// The term, what it follows, and what it would take away to first order.
+    /// The term, its variable, and its gain to first order.
     pub first_order: Missing,
-    /// The model with it.
+    /// The model with the curve.
     pub candidate: Candidate,
-    /// Error on experiments left out whole, Pa rms: of the model to go on with otherwise, and with the curve.
+    /// Error on experiments left out whole, Pa rms: of the model reported otherwise, and with the curve.
     pub left_out_pa: [f64; 2],
     /// Whether it is in the model, and if not, why.
     pub fate: Fate,
 }
 
-/// What became of a curve.
+/// Outcome for a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// It is in the model: it predicts experiments left out whole decisively better.
     Accepted,
-    /// The records that it is fitted to do not ask for it decisively, or no longer with wider tolerances.
+    /// Its evidence on the fitted records is not decisive, or no longer with wider tolerances.
     NotEvident,
     /// It does not predict experiments left out whole decisively better.
     PredictsNoBetter,
     /// As few named effects are more likely.
     LikelierNames,
-    /// Beside it the fit has a heat transfer coefficient that no gas can have.
+    /// The fit with it has an implausible heat transfer coefficient.
     ImpossibleCoefficient,
 }
 
@@ -69,7 +70,7 @@ impl Fate {
         self == Self::Accepted
     }
 
-    /// The reason, in a clause.
+    /// The reason, as a clause.
     pub fn words(self) -> &'static str {
         match self {
             Self::Accepted => "it predicts left-out data decisively better",
@@ -81,19 +82,19 @@ impl Fate {
     }
 }
 
-/// A curve that was refitted.
+/// A refitted curve.
 #[derive(Clone)]
 struct Judged {
     first_order: Missing,
     candidate: Candidate,
     /// Error on experiments left out whole, Pa rms.
     left_out_pa: f64,
-    /// Whether the records it is fitted to ask for it, whatever the geometry within its tolerances.
+    /// Whether its evidence on the fitted records is decisive, also with the geometry far more uncertain.
     is_evident: bool,
 }
 
 impl Judged {
-    /// Whether its coefficient is one that a gas can have. A share of λ leaves λ0 open, and anything may come of it.
+    /// Whether its coefficient is plausible for a gas. A share of λ leaves λ0 open, so that any value may result.
     fn is_possible(&self) -> bool {
         has_plausible_coefficient(&self.candidate.fit)
     }
@@ -104,15 +105,15 @@ fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
 }
 
 impl ReadOff {
-    /// The curve as refitted.
+    /// The refitted curve.
     pub fn curve(&self) -> Option<Curve> {
         curve_of(Empirical::PLACE, &self.candidate.fit.chamber())
     }
 }
 
 impl Search {
-    /// A curve in the place of several named effects that together leave no more than noise: one that alone fits the records
-    /// decisively better shows that the effects only imitate it.
+    /// A curve in place of several named effects that together leave only noise: if it alone fits the records decisively better,
+    /// the effects only imitate it.
     pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
         let curves = self.curves_on(&self.baseline, named.delta_bic + policy::DECISIVE, 0.0);
         let evident = curves.into_iter().filter(|c| c.is_evident && c.is_possible());
@@ -121,7 +122,7 @@ impl Search {
         best.is_possible().then(|| self.told(best, left_out_pa, Fate::Accepted))
     }
 
-    /// Looks for a curve beside the model to go on with otherwise; `None` where none can be fitted.
+    /// Looks for a curve beside the model reported otherwise; `None` where none can be fitted.
     pub(super) fn read_off(&self, settled: &Candidate) -> Option<ReadOff> {
         let mut parts = vec![&self.baseline];
         if self.chosen.model != Model::PAPER {
@@ -132,7 +133,7 @@ impl Search {
         let least_share = if fails_on_others { 0.0 } else { LEAST_SHARE };
         let curves_on = |part| self.curves_on(part, settled.delta_bic, least_share);
         let mut curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
-        // The error by which names give way is that on the usual folds.
+        // Whether names are replaced is judged by the error on the usual folds.
         let in_place_of_names = curves.par_iter_mut().filter(|c| c.candidate.model.terms() <= settled.model.terms());
         in_place_of_names.for_each(|c| self.hold_out(&mut c.candidate));
         let acceptable = |c: &&Judged| {
@@ -141,7 +142,7 @@ impl Search {
                 && if c.candidate.model.terms() > settled.model.terms() {
                     self.predicts_better([settled_pa, c.left_out_pa])
                 } else {
-                    // In the place of names: decisively better than without either, and better than they are.
+                    // In place of names: decisively better than without either, and better than the names.
                     self.predicts_better([paper_pa, c.left_out_pa]) && c.candidate.errs_less(settled, self.least_gain())
                 }
         };
@@ -164,7 +165,7 @@ impl Search {
         Some(self.told(best, settled_pa, fate))
     }
 
-    /// Whether as few names as a model with a curve has terms are more likely than it.
+    /// Whether named effects are more likely than a model with a curve, with no more terms.
     fn has_likelier_names(&self, with_curve: &Candidate) -> bool {
         let mut as_few = self.tried.iter().filter(|c| c.model.terms() <= with_curve.model.terms());
         as_few.any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
@@ -179,7 +180,7 @@ impl Search {
         }
     }
 
-    /// Whether there is a single experiment, which is left out in the same parts as by every other judgement.
+    /// Whether there is a single experiment, left out in the same parts as in every other judgement.
     fn has_one_experiment(&self) -> bool {
         self.data.experiments.len() < 2
     }
@@ -191,7 +192,7 @@ impl Search {
         known.or_else(|| by_experiment().map(|error| error.rmse_pa))
     }
 
-    /// The same without the names that stood for part of the curve: those no longer decisive beside it.
+    /// Removes the names that imitated part of the curve: those no longer decisive beside it.
     fn pruned(&self, mut best: Judged) -> Judged {
         let curve = Empirical::SET;
         loop {
@@ -209,8 +210,8 @@ impl Search {
         }
     }
 
-    /// The curves that take most away from what a model leaves, at least that share of it, refitted; those of more than this
-    /// evidence judged.
+    /// Refits the curves that remove most of what a model leaves, at least this fraction of it, and judges those with more than
+    /// this evidence.
     fn curves_on(&self, part: &Candidate, least_bic: f64, least_share: f64) -> Vec<Judged> {
         let Some(families) = discrepancy::Families::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = families.curves();
@@ -243,13 +244,13 @@ impl Search {
         refitted.into_par_iter().filter_map(judged).collect()
     }
 
-    /// Whether the error on left-out experiments falls decisively, and by more than nobody minds.
+    /// Whether the error on left-out experiments falls decisively, and by more than `least_gain`.
     fn predicts_better(&self, [before, after]: [f64; 2]) -> bool {
         self.leaves_less([before, after], policy::PREDICTS_BETTER)
             && before * before - after * after > self.least_gain().powi(2)
     }
 
-    /// A model's rough fit with that curve beside all else, from zero on.
+    /// Fits a model roughly with this curve beside all else, starting from zero.
     fn refitted_with(&self, part: &Candidate, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
         from.hypothesis.base.effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
@@ -258,7 +259,7 @@ impl Search {
         fit_by_size(&self.data, model, &from, &self.sizes, Until::ROUGHLY)
     }
 
-    /// A curve that was refitted roughly, at its minimum.
+    /// Fits a roughly refitted curve to its minimum.
     fn refitted_fully(&self, rough: Judged) -> Judged {
         let Some(fit) = self.refit(&rough.candidate.fit, Until::SETTLED).filter(|fit| fit.converged) else {
             return rough;

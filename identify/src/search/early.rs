@@ -1,8 +1,8 @@
-//! Pressures of a digital low-pass, which are early by a part of a row.
+//! Pressures after a digital low-pass, which are early by a fraction of a row.
 //!
-//! A digital filter has read its input at its own moment when it answers: y_k = a y_{k−1} + (1 − a) u_k is ahead of the low-pass
-//! τ dy/dt = u − y with a = e^(−h/τ) by half of its step h. Beside a position that no filter has passed, a pressure that lags and is
-//! early by less than a row is therefore no position that is late: each record has the delay for itself, and it has no name.
+//! A digital filter has already read its latest input when it answers: y_k = a y_{k−1} + (1 − a) u_k is ahead of the
+//! low-pass τ dy/dt = u − y with a = e^(−h/τ) by half of its step h. Beside an unfiltered position, a pressure that lags and is
+//! early by less than a row therefore does not mean a late position: the delay is made a per-record one, and is not named.
 
 use super::{Candidate, Search, sort, starts, terms};
 use crate::fit;
@@ -12,8 +12,8 @@ use chamber::Chamber;
 use chamber::effects::EffectSet;
 
 impl Search {
-    /// Gives each record for itself what a digital low-pass of the pressure is early by, where the chosen model has that as a late
-    /// position of the rig.
+    /// Makes the time by which a digital low-pass of the pressure is early a per-record delay, where the chosen model has it as a
+    /// late position of the rig.
     pub(super) fn leave_earliness_to_the_records(&mut self) {
         let Some(own) = self.with_own_earliness(&self.chosen) else { return };
         self.tried.retain(|c| earliness(&self.data, c).is_none());
@@ -41,7 +41,7 @@ impl Search {
     }
 }
 
-/// By how much the pressures of a model are early beside the positions, s, where that may be a digital low-pass's.
+/// Time by which the pressures of a model are early relative to the positions, s, where a digital low-pass may be the cause.
 fn earliness(data: &Data, c: &Candidate) -> Option<f64> {
     let (of_rig, chamber) = (c.model.of_rig(), c.fit.chamber());
     let early_s = chamber.effects.stroke_delay(of_rig) + chamber.effects.stroke_filter(of_rig);
@@ -56,7 +56,7 @@ mod tests {
     use crate::synthetic::Recipe;
     use chamber::effects::{RecordDelay, find};
 
-    /// What is found of a rig whose pressure passes a low-pass of 20 ms, computed at each of its rows, every 10 ms.
+    /// The result for a rig whose pressure passes a low-pass of 20 ms, computed at each of its rows, every 10 ms.
     fn found(digital: bool, late_s: f64) -> Found {
         let mut recipe = Recipe { repeats: 1, rate_hz: 100.0, ..Recipe::from_seed(5) };
         (recipe.faults.low_pass_s, recipe.faults.digital, recipe.faults.position_delay_s) = (0.02, digital, late_s);

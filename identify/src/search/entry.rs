@@ -1,4 +1,4 @@
-//! What a set needs to enter: decisive evidence, a lower error on left-out data, and numbers that can be a rig's.
+//! Conditions for a set to enter: decisive evidence, a lower error on left-out data, and credible parameters.
 
 use super::starts::fit_model;
 use super::{Candidate, Search, sort, terms};
@@ -12,14 +12,14 @@ use chamber::effects::CARDS;
 use rayon::prelude::*;
 
 impl Search {
-    /// Lets the best of these enter that may; whether one did.
+    /// Lets the best admissible candidate without an exhausted effect enter; returns whether one did.
     pub(super) fn take_best(&mut self, mut candidates: Vec<Candidate>) -> bool {
         candidates.retain(|c| c.fit.exhausted().is_none());
         self.take_best_of(candidates)
     }
 
-    /// Where nothing else leads on and more than noise is left: lets the best set enter that has nearly exhausted an effect.
-    /// It describes the records; that effect is not their cause.
+    /// Where nothing else helps and the chosen model is not adequate, lets the best set with an almost exhausted effect enter. It
+    /// describes the records; that effect is not their cause.
     pub(super) fn describes(&mut self) -> bool {
         if self.chosen_adequacy.is_adequate() {
             return false;
@@ -34,14 +34,14 @@ impl Search {
         self.take_best_of(better)
     }
 
-    /// Lets the best of these enter that has what it needs.
+    /// Lets the best candidate that meets the conditions enter.
     fn take_best_of(&mut self, mut candidates: Vec<Candidate>) -> bool {
         let among = candidates.len().max(2) as f64;
         candidates.retain(|c| self.enters(c, among));
         sort(&mut candidates);
         let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
         candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
-        // Which of those next to each other is best may show with their secondary parameters free only.
+        // Which of several close candidates is best may show only with their secondary parameters free.
         let freed: Vec<Candidate> = candidates.par_iter().filter_map(|c| self.freed(c)).collect();
         self.keep(freed.iter().cloned());
         candidates.extend(freed);
@@ -56,30 +56,30 @@ impl Search {
         true
     }
 
-    /// Decisive evidence over the chosen model, left-out data predicted better by more than nobody minds, and numbers that can
-    /// be the rig's.
+    /// Whether a candidate has decisive evidence over the chosen model, predicts left-out data better by more than `least_gain`,
+    /// and has credible parameters.
     fn enters(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
-        // Effects of the rig in the place of what single records have for themselves need not predict better, only no worse.
+        // Effects of the rig in place of per-record terms need not predict better, only no worse.
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
         let least_gain = if in_place { 0.0 } else { self.least_gain() };
         let decisive = policy::DECISIVE + among.ln();
         let lower = match over.held_out {
-            // What errs less in fast moves alone, where rows tell little, must not err more elsewhere.
+            // A candidate that errs less only in fast moves, where rows tell little, must not err more elsewhere.
             Some(_) if c.errs_more(over, self.data.accuracy_pa()) => false,
             Some(_) => c.errs_less(over, least_gain) || self.is_another_cause(c, decisive),
             None => c.held_out.is_some(),
         };
-        // An effect that a fit has driven to where it is off is none.
+        // An effect that the fit has switched off does not count.
         let is_on = c.fit.chamber().active().contains(c.model.of_rig());
         let has_room = || sanity::dead_volume(&self.data, &c.fit).is_ok();
         let can_be = || is_credible(&c.fit) && self.may_have_its_coefficient(c) && has_room();
         lower && is_on && c.delta_bic - over.delta_bic > decisive && can_be()
     }
 
-    /// Whether a set of the rig's effects without all of the chosen ones, which leave noise or what nobody minds, predicts left-out
-    /// data no worse by what matters, and has so much more evidence than those with whatever further terms. Then these imitate its
-    /// cause: that they leave little does not make them the cause.
+    /// Whether a set of the rig's effects that lacks some of the chosen ones, while these leave only noise or less than the
+    /// accuracy, predicts left-out data no worse by more than the accuracy, and has decisively more evidence than all sets with
+    /// the chosen ones up to its size. Then these imitate its cause: leaving little does not make them the cause.
     fn is_another_cause(&self, c: &Candidate, decisive: f64) -> bool {
         let chosen = &self.chosen;
         let has_chosen = |other: &&Candidate| terms::is_part(&chosen.model, &other.model);
@@ -93,16 +93,16 @@ impl Search {
         c.delta_bic > most + decisive && !chosen.errs_less(c, self.data.accuracy_pa())
     }
 
-    /// The error that a term has to take off left-out data, Pa: what matters. Where little more than that is systematic, or less
-    /// beside names, half the power of it, since no term takes off more than there is.
+    /// Decrease of the error on left-out data that a term needs, Pa: the accuracy. Where little more than that is systematic, or
+    /// less beside names, half the square of what is systematic is enough, since no term removes more than that.
     pub(super) fn least_gain(&self) -> f64 {
         let (accuracy_pa, chosen) = (self.data.accuracy_pa(), &self.chosen_adequacy);
         let nobody_minds = chosen.is_good_enough && self.needs_no_more_names();
         if nobody_minds { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
     }
 
-    /// The set without the effects that its fit has driven to where they are off, where it is none that was tried, or decisively
-    /// better than that: beside such an effect a fit may come to a valley that it has missed without.
+    /// The set without the effects that its fit has switched off, if it was not tried or is decisively better than as tried:
+    /// beside such an effect a fit may reach a valley that it missed without it.
     pub(super) fn without_what_is_off(&self, c: &Candidate) -> Option<Candidate> {
         let off = c.model.of_rig().without(c.fit.chamber().active());
         let model = c.model.without(off);
@@ -114,7 +114,7 @@ impl Search {
         known.is_none_or(|known| part.delta_bic > known.delta_bic + policy::DECISIVE).then_some(part)
     }
 
-    /// The same set with its secondary parameters free, where that is decisively better.
+    /// The same set with its secondary parameters free, if that is decisively better.
     pub(super) fn freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = Model { secondary: c.model.of_rig(), ..c.model };
         let has_secondary = |e: usize| CARDS[e].fitted(Fitted::Secondary).next().is_some();
@@ -128,8 +128,8 @@ impl Search {
         Some(self.judged(self.candidate(fit)))
     }
 
-    /// The same set with none of its secondary parameters free, where that has about as much evidence: another term has entered for
-    /// which one of them stood.
+    /// The same set without free secondary parameters, if its evidence is about the same: another term has entered that one of
+    /// them imitated.
     pub(super) fn no_longer_freed(&self, c: &Candidate) -> Option<Candidate> {
         let model = c.model.with_nothing_freed();
         if model == c.model {
@@ -144,27 +144,27 @@ impl Search {
         c
     }
 
-    /// Judges a candidate by data left out, unless that was done.
+    /// Computes a candidate's error on left-out data, unless known.
     pub(super) fn hold_out(&self, c: &mut Candidate) {
         if c.held_out.is_none() {
             c.held_out = left_out::error(&self.data, &c.fit, &self.folds);
         }
     }
 
-    /// Judges the first so many of those that may enter by data left out.
+    /// Computes the error on left-out data of the first `most` credible candidates.
     pub(super) fn judge(&self, candidates: &mut [Candidate], most: usize) {
         let may_enter: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_credible(&c.fit)).take(most).collect();
         may_enter.into_par_iter().for_each(|c| self.hold_out(c));
     }
 }
 
-/// Whether a fit has come to a minimum with numbers that can be the rig's: a λ0 that the records determine (it is what they
-/// are for), and no fault of the recording so large that it has another cause.
+/// Whether a fit has reached a minimum with credible parameters: a λ0 that the records determine (it is their purpose), and no
+/// recording fault so large that it has another cause.
 pub(super) fn is_credible(fit: &Fit) -> bool {
     fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
 }
 
-/// Whether the records tell λ0 better than its first guess does, and with it what of the stated numbers it would follow.
+/// Whether the records determine λ0 better than its first guess does, with the stated parameters free within their tolerances.
 fn determines_lambda0(fit: &Fit) -> bool {
     covariance::beside_all(fit, 0).sqrt() < policy::FIRST_GUESS_REACH
 }
@@ -180,7 +180,7 @@ mod tests {
     use crate::synthetic::Recipe;
     use chamber::effects::{EffectSet, GasZones, NaturalConvection, find};
 
-    /// A search after its first fit, and a set with gas zones of which next to all gas is in the core, much better than the rest.
+    /// A search after its first fit, and a set with gas zones with nearly all gas in the core, much better than the rest.
     fn search_with_exhausted_zones() -> (Search, Candidate) {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.chamber.effects.of_mut(NaturalConvection::PLACE)[0] = 0.4;
@@ -241,14 +241,14 @@ mod tests {
         assert!(
             search.enters(&Candidate { delta_bic: evidence + 40.0, ..zones.clone() }, 2.0) && zones.model.terms() < 2
         );
-        // As large as the set in question, it counts.
+        // A set as large as the one in question counts.
         let larger = single("wall_heating").effects.union(zones.model.effects);
         let mut large = search.candidate(of(Model::with(larger)));
         (large.delta_bic, large.held_out) = (evidence + 30.0, errs(error));
         assert!(!search.enters(&large, 2.0));
         large.delta_bic = evidence + 40.0;
         assert!(search.enters(&large, 2.0));
-        // Not if it predicts worse by what matters, nor where more than noise is left.
+        // Not if it predicts worse by a relevant amount, nor where more than noise is left.
         large.held_out = errs(error + 2.0 * search.data.accuracy_pa());
         assert!(!search.enters(&large, 2.0));
         // Nor if it errs less in fast moves alone and more elsewhere.
@@ -273,7 +273,7 @@ mod tests {
         let part = search.without_what_is_off(&zones).unwrap();
         assert_eq!(part.model, Model::with(NaturalConvection::SET));
         assert!(part.delta_bic > policy::DECISIVE && part.fit.converged);
-        // No more where that is known as well.
+        // Not if that part is already known.
         let tried = vec![part];
         assert!(Search { tried, ..search }.without_what_is_off(&zones).is_none());
     }
@@ -312,7 +312,7 @@ mod tests {
         assert!(names(&plain) == 1 && plain.chosen.delta_bic > 2.0 * policy::DECISIVE);
         assert!(names(&found_with(0.5 * taken_pa)) == 1);
         assert!(names(&found_with(2.0 * taken_pa)) == 0, "{taken_pa} {}", plain.baseline_adequacy.systematic_pa);
-        // Of a little more than what nobody minds all would have to go, and half is enough.
+        // Little above the accuracy, all of the misfit would have to go, so half is enough.
         let systematic_pa = plain.baseline_adequacy.systematic_pa;
         assert!(names(&found_with(0.99 * systematic_pa)) == 1, "{taken_pa} {systematic_pa}");
     }

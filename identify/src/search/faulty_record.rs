@@ -1,10 +1,10 @@
-//! One record that errs as no other does, left out where the others agree without it.
+//! Leaves out one record that errs as no other does, where the others agree without it.
 //!
-//! A reading that stands still, a step of a gauge's zero or a position that slips makes a model err in one record by many times what
-//! it errs elsewhere. A search with it names what imitates the fault, or takes the fault for noise. All is therefore searched again
-//! without the record that stands out, if there is one. That counts where the others are explained then, and where the model that
-//! does it errs in the record by far more than noise. Without a repeat of the record an effect that is not on the list may be seen in it
-//! alone: then names improve, and do not explain.
+//! A stuck reading, a step of a gauge's zero or a slipping position makes a model err in one record by many times its error
+//! elsewhere. A search with it names what imitates the fault, or takes the fault for noise. The search is therefore repeated
+//! without the record that stands out, if there is one. The second result counts if it explains the other records and its model
+//! errs in this one by far more than noise. Without a repeat of the record, an effect that is not on the list may show in it
+//! alone: then `explained` becomes `improved`.
 
 use super::{Found, Verdict, in_gas};
 use crate::error::Error;
@@ -13,14 +13,14 @@ use crate::policy;
 use crate::record::data::Data;
 use crate::record::repeats;
 
-/// Records beside one that tell what a model errs elsewhere.
+/// Minimum number of other records that show the model's usual error.
 const FEWEST_OTHERS: usize = 2;
-/// A record stands out where a model that leaves more than noise errs in it by so many times what it errs in the median of the others...
+/// A record stands out where an inadequate model errs in it by more than this multiple of its median error in the others...
 const STANDS_OUT: f64 = 1.5;
-/// ...and by so many times where it leaves noise, of which a fault may have become a part.
+/// ...and by this multiple where the model is adequate: a fault may have become part of the noise.
 const STANDS_OUT_OF_NOISE: f64 = 3.0;
 
-/// Searches, and once more without a record that stands out; what is found there counts where that record is faulty.
+/// Searches, and again without a record that stands out; the second result counts if that record is faulty.
 ///
 /// # Errors
 /// As [`in_gas::search`].
@@ -42,8 +42,8 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     }))
 }
 
-/// The record that may be faulty, if there is one: that which stands out, or, where one of two repeats that differ was left out and more
-/// than noise is left, the other one.
+/// The record that may be faulty, if any: the one that stands out or, where one of two differing repeats was left out and the
+/// model is not adequate, the other one.
 fn suspect(data: &Data, found: &Found) -> Option<usize> {
     let Some(out) = data.traces.iter().find(|t| t.readout.unlike_others.is_some()) else {
         return standing_out(data, found);
@@ -54,7 +54,7 @@ fn suspect(data: &Data, found: &Found) -> Option<usize> {
     }
 }
 
-/// The record in which what is reported errs most, where that is by far more than in the others.
+/// The record in which the reported model errs most, if by far more than in the others.
 fn standing_out(data: &Data, found: &Found) -> Option<usize> {
     let residuals = misfit::residuals(data, &found.reported().fit);
     let each = data.traces.iter().zip(&residuals).enumerate();
@@ -66,15 +66,15 @@ fn standing_out(data: &Data, found: &Found) -> Option<usize> {
     (most_pa > times * median_pa || most_pa.is_nan()).then_some(record)
 }
 
-/// Whether what was found without a record leaves the others next to nothing, and errs in that record by far more than noise, with its
-/// rows as they count in the data with it.
+/// Whether the result without a record explains the others, and errs in that record by far more than noise, with its rows
+/// weighted as in the data that include it.
 fn is_faulty(whole: &Data, data: &Data, found: &Found, record: usize) -> bool {
     if !matches!(found.verdict, Verdict::Adequate | Verdict::Explained) {
         return false;
     }
     let residuals = misfit::residuals(data, &found.reported().fit);
     let error_pa = misfit::weighed_rms_of(whole, &whole.traces[record], &residuals[record]);
-    // No number where the model cannot follow the record.
+    // NaN where the record cannot be simulated.
     error_pa.is_nan() || error_pa > policy::FAR_BEYOND_NOISE * data.noise.total_pa().hypot(data.accuracy_pa())
 }
 
@@ -90,7 +90,7 @@ mod tests {
         recipe.with("natural_convection", &[convection])
     }
 
-    /// The rig of a recipe whose second record is changed: time, s, and pressure, Pa.
+    /// The rig of a recipe with the second record changed by `fault`: time, s, and pressure, Pa.
     fn with_a_fault(recipe: &Recipe, fault: impl Fn(f64, &mut f64)) -> Rig {
         let mut rig = recipe.rig();
         let trace = &mut rig.experiments[1].traces[0];

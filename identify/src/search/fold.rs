@@ -1,9 +1,9 @@
-//! What each record has for itself, as one number of the rig.
+//! Per-record effects that become one effect of the rig.
 //!
-//! Delays, offsets and drifts that agree are a property of the rig, and one number instead of many. A fit that begins without
-//! them need not get there: over a common delay the error has a corner wherever the end of a move passes a row, and a drift
-//! beside a leak is first taken by the records' own ones, which enter the search before it. Hence the mean of those is where to
-//! begin.
+//! Delays, offsets and drifts that agree between records are a property of the rig, with one value instead of many. A fit that
+//! starts without them need not find that: over a common delay the error has a corner wherever the end of a move passes a row, and
+//! a drift beside a leak is first taken up by per-record drifts, which enter the search earlier. The fit therefore starts at the
+//! mean of the per-record values.
 
 use super::{Candidate, Search, starts, terms};
 use crate::fit::{self, Fit};
@@ -15,10 +15,10 @@ use chamber::Chamber;
 use chamber::effects::{CARDS, EffectSet};
 
 impl Search {
-    /// Lets each effect of the chosen model that its records have for themselves be one of the rig, where the evidence for one
-    /// number is decisive, which judges whether the records agree, and left-out data are predicted no worse by what matters. It
-    /// is one of the rig too where left-out data are predicted better: what is freer has to predict no worse, or it follows
-    /// something else than what its name says.
+    /// Turns the best suited per-record effect of the chosen model into one of the rig: where the evidence for a common value,
+    /// which decides whether the records agree, is decisive and left-out data are predicted no worse by more than the accuracy.
+    /// Also where they are predicted better: the freer model must not predict worse, or it follows something else than its name
+    /// says.
     pub(super) fn fold(&mut self) {
         let fits = self.chosen.model.own.iter().filter_map(|e| self.in_common(e));
         let mut folded: Vec<Candidate> = fits.map(|fit| self.candidate(fit)).collect();
@@ -32,7 +32,7 @@ impl Search {
         self.put_in_place_of_chosen(best);
     }
 
-    /// A model takes the place of the chosen one, and that of its step: it says the same in other scopes, or is alike.
+    /// Replaces the chosen model and its step by a model that says the same in other scopes, or that is indistinguishable.
     pub(super) fn put_in_place_of_chosen(&mut self, other: Candidate) {
         self.chosen_adequacy = adequacy::test(&self.data, &other.fit);
         self.steps.pop();
@@ -40,7 +40,7 @@ impl Search {
         self.chosen = other;
     }
 
-    /// Whether one number in common is as good as one for each record.
+    /// Whether one common value is as good as one per record.
     fn agrees(&self, c: &Candidate) -> bool {
         let accuracy_pa = self.data.accuracy_pa();
         let (Some(common), Some(own)) = (c.held_out_pa(), self.chosen.held_out_pa()) else { return false };
@@ -49,14 +49,14 @@ impl Search {
         c.fit.converged && (evident || c.errs_less(&self.chosen, accuracy_pa))
     }
 
-    /// The chosen model fitted with an effect in common that its records have for themselves.
+    /// Fits the chosen model with one of its per-record effects in common.
     fn in_common(&self, effect: usize) -> Option<Fit> {
         let fit = &self.chosen.fit;
         let whole = &fit.hypothesis.model;
         let means: Vec<(usize, f64)> = (0..CARDS[effect].parameters.len())
             .filter_map(|p| Some((p, mean_of_records(&self.data, fit, Own::Effect(effect, p))?)))
             .collect();
-        // A pressure that is early beside its position is a position that is late.
+        // A pressure that is early relative to its position is a position that is late.
         let is_early = parameters::delays_pressure(effect) && means.iter().any(|(_, mean)| *mean < 0.0);
         let common = if is_early { terms::effect_that(parameters::delays_position)? } else { effect };
         let without = whole.without(EffectSet::one(effect));
@@ -76,7 +76,7 @@ impl Search {
     }
 }
 
-/// Mean over the records of a number that each has for itself.
+/// Mean over the records of a per-record parameter.
 fn mean_of_records(data: &Data, fit: &Fit, slot: Own) -> Option<f64> {
     let of_each = fit.hypothesis.of_each(data, &fit.own, slot);
     let values: Option<Vec<f64>> = of_each.map(|number| number.map(|(axis, x)| axis.value(x))).collect();

@@ -1,17 +1,17 @@
-//! The gas that the records ask for.
+//! Repeats the search in the gas that the records favour.
 //!
-//! The heat capacity ratio stays as stated in every fit; for the evidence alone it moves within its tolerance, to first order. Moist air
-//! is a tolerance and more from dry air, and beside quiet records that counts: at the stated ratio a leak may stand at zero which the
-//! records show, numbers are off, and data left out are predicted badly by the right effects too. Where what was found leaves noise and
-//! the ratio it asks for has decisive evidence, all is therefore searched again in the gas with that ratio. Its prior stays where the rig
-//! states it.
+//! The heat capacity ratio stays as stated in every fit; only for the evidence does it move within its tolerance, to first order.
+//! Moist air differs from dry air by a tolerance or more, which matters with quiet records: at the stated ratio a leak that the
+//! records show may be fitted as zero, parameters are biased, and even the right effects predict left-out data badly. Where the
+//! result leaves only noise and its ratio has decisive evidence, the search is therefore repeated in the gas with that ratio. The
+//! prior stays at the stated value.
 
 use super::{Found, at_zero, moved};
 use crate::error::Error;
 use crate::parameters::Slot;
 use crate::record::data::Data;
 
-/// Searches in the stated gas, and once more in another one where the records ask for it; what is found there counts.
+/// Searches in the stated gas, and again in another one where the records favour it; returns the result that counts.
 ///
 /// # Errors
 /// As [`at_zero::search`].
@@ -23,7 +23,7 @@ pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Resul
     Ok(moved::which_counts((data, found), elsewhere))
 }
 
-/// How many tolerances the gas is off, where what was found leaves noise and little doubt of it.
+/// Move of the gas, in tolerances, where the result leaves only noise and little doubt of the move.
 fn asked(found: &Found) -> Option<f64> {
     found.adequacy().is_noise.then(|| moved::asked(&found.reported().fit, Slot::HeatCapacityRatio))?
 }
@@ -36,7 +36,7 @@ mod tests {
     use crate::synthetic::Recipe;
     use chamber::effects::EffectSet;
 
-    /// A quiet rig in a gas that is off by so many tolerances, whose rig file states them.
+    /// A quiet rig whose stated gas is off by this many tolerances.
     fn in_gas_off_by(tolerances: f64) -> Recipe {
         let mut recipe = Recipe { repeats: 1, noise_pa: 15.0, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.0 + 5e-4 * tolerances;
@@ -71,7 +71,7 @@ mod tests {
     fn a_set_that_has_decisively_more_evidence_in_the_other_gas_too_is_kept() {
         let recipe = in_gas_off_by(0.0);
         let (_, found) = found_of(&recipe.clone().with("leakage", &[recipe.leak_of(1.0)]));
-        // The paper's model is what is reported there.
+        // There the paper's model is reported.
         let there = Found { verdict: Verdict::Unexplained, ..found.clone() };
         assert!(moved::is_likelier(&found, &there) && !moved::is_likelier(&found, &found));
     }
@@ -87,7 +87,7 @@ mod tests {
         };
         let [stated, moved] = [0.0, -1.5].map(variance_by_gas);
         assert!(moved < 0.1 * stated, "{moved:e} {stated:e}");
-        // A tolerance of γ moves λ0 by about this in a fit, in its logarithm.
+        // A tolerance of γ moves ln λ0 by about this in a fit.
         let by_tolerance = |moved: f64| baseline::fitted(data.clone().in_gas_moved(moved)).unwrap().1.rig[0];
         let slope = by_tolerance(0.5) - by_tolerance(-0.5);
         assert!((stated.sqrt() / slope.abs() - 1.0).abs() < 0.2, "{} {slope}", stated.sqrt());

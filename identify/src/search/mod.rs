@@ -1,14 +1,14 @@
-//! From a rig's residual to the terms that explain it, or to the statement that none of the known ones does.
+//! Searches for the terms that explain a rig's residual, or states that none of the known ones does.
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
-//! better sets with every further term (a beam of all sets and one of those without terms of single records; those are fitted
-//! whose first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or
-//! next to nothing, where nothing enters and no set of the rig's effects can catch up, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of
-//! the rig, an effect of the recording that each record has for itself, or initial temperatures of gas or wall. It enters by decisive evidence and
-//! a lower error on left-out data (`entry`). What the records have for themselves may become one number of the rig (`fold`), and
-//! data are weighed anew as better models show their noise (`anew`). At the end each term has to be decisive beside the others and
-//! with the stated numbers far more uncertain than stated, or it goes out again (`needed`). Where that leaves more than noise, the
-//! missing term is read off the residual as a curve (`curve`).
+//! better sets with every further term (one beam of all sets and one of those without per-record terms; sets are fitted if their
+//! first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or
+//! next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's evidence, or at sets of
+//! [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the recording, or initial temperatures
+//! of gas or wall. It enters by decisive evidence and a lower error on left-out data (`entry`). Per-record effects may become one
+//! effect of the rig (`fold`), and data are reweighted as better models show their noise (`anew`). At the end each term must be
+//! decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`). Where
+//! more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
 
 mod alike;
 pub mod anew;
@@ -44,62 +44,63 @@ use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model_until;
 
-/// A model that was fitted.
+/// A fitted model.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Terms that it has beyond the paper's model.
+    /// Terms beyond the paper's model.
     pub model: Model,
     /// Best parameters and the linearised problem there.
     pub fit: Fit,
-    /// BIC of the paper's model less its own.
+    /// BIC of the paper's model minus its own.
     pub delta_bic: f64,
     /// Error on left-out data, where it was judged.
     pub held_out: Option<HeldOut>,
 }
 
 impl Candidate {
-    /// Error on left-out data as it is reported, Pa rms, where it was judged.
+    /// Error on left-out data as reported, Pa rms, where it was judged.
     pub fn held_out_pa(&self) -> Option<f64> {
         self.held_out.map(|error| error.rmse_pa)
     }
 
-    /// Whether it takes more than this error, Pa, off that of another one on left-out data.
+    /// Whether its error on left-out data is smaller than the other candidate's by more than `by_pa`, Pa.
     fn errs_less(&self, than: &Self, by_pa: f64) -> bool {
         self.held_out.zip(than.held_out).is_some_and(|(ours, theirs)| ours.is_less(&theirs, by_pa))
     }
 
-    /// Whether it adds more than this error, Pa, to that of another one on left-out data, where rows count as much as they tell.
+    /// Whether its weighted error on left-out data is larger than the other candidate's by more than `by_pa`, Pa.
     fn errs_more(&self, than: &Self, by_pa: f64) -> bool {
         self.held_out.zip(than.held_out).is_some_and(|(ours, theirs)| ours.is_more(&theirs, by_pa))
     }
 }
 
-/// All that the search found.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// How it ended.
+    /// The verdict.
     pub verdict: Verdict,
     /// The paper's model.
     pub baseline: Candidate,
-    /// What it leaves.
+    /// Its adequacy.
     pub baseline_adequacy: Adequacy,
-    /// Every model tried, best evidence first, but a curve that was accepted before all others.
+    /// Every model tried, best evidence first, except that an accepted curve precedes all others.
     pub tried: Vec<Candidate>,
-    /// The model to go on with; the paper's where nothing entered.
+    /// The final model; the paper's where nothing entered.
     pub chosen: Candidate,
-    /// What that leaves.
+    /// Its adequacy.
     pub chosen_adequacy: Adequacy,
-    /// The models chosen on the way, from the paper's to the last: mostly a term more than the one before, or another in its place.
+    /// The models chosen on the way, from the paper's to the last: usually with one term more than the one before, or one
+    /// exchanged.
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
-    /// Whether what the records have for themselves follows the kind of test: see `judge::kinds`.
+    /// Whether per-record terms follow the kind of test: see `judge::kinds`.
     pub follows_the_test: bool,
-    /// Whether the chosen model predicts records that were left out whole about as well as it fits the others.
+    /// Whether the chosen model predicts records left out whole about as well as it fits the others.
     pub carries_over: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
-    /// The missing term as a curve, where no name fits.
+    /// The missing term as a curve, where no named effect fits.
     pub read_off: Option<ReadOff>,
 }
 
@@ -109,13 +110,13 @@ impl Found {
         if self.verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen }
     }
 
-    /// What the reported model leaves.
+    /// Adequacy of the reported model.
     pub fn adequacy(&self) -> &Adequacy {
         if self.verdict == Verdict::Unexplained { &self.baseline_adequacy } else { &self.chosen_adequacy }
     }
 
-    /// The best set with no more terms than the reported one that has decisively more evidence and leaves noise: what kept it from
-    /// entering may be a volume that cannot be.
+    /// The best set with no more terms than the reported one, decisively more evidence and only noise left: an impossible dead
+    /// volume may have kept it from entering.
     pub(crate) fn better_than_reported(&self, data: &Data) -> Option<&Candidate> {
         let reported = self.reported();
         let is_better = |c: &&Candidate| c.delta_bic > reported.delta_bic + policy::DECISIVE && c.fit.converged;
@@ -124,8 +125,9 @@ impl Found {
         self.tried.iter().filter(is_better).filter(is_no_larger).find(leaves_noise)
     }
 
-    /// Where nothing explains the records and the coefficient of the paper's model is none that a gas can have: the best set, much
-    /// better than that model, with which it is one. Then it stands for what the model lacks and not for a wrong unit.
+    /// Where nothing explains the records and the paper's model has an implausible coefficient: the best set, decisively better
+    /// than that model, with a plausible one. Then the coefficient makes up for what the paper's model lacks and not for a wrong
+    /// unit.
     pub fn coefficient_stands_for(&self) -> Option<&Candidate> {
         let is_open = self.verdict == Verdict::Unexplained && !sanity::has_plausible_coefficient(&self.baseline.fit);
         let mut better = self.tried.iter().filter(|c| is_open && c.delta_bic > policy::DECISIVE && c.fit.converged);
@@ -133,18 +135,18 @@ impl Found {
     }
 }
 
-/// Searches. `progress` is told what is being done and how far it is. The data come back with outliers left out and the noise as
-/// the best model shows it.
+/// Searches. `progress` receives the current activity and its progress. The data are returned without outliers and with the noise
+/// that the best model shows.
 ///
 /// # Errors
-/// Where the data contradict the model in a way that has a name: see `judge::sanity`.
+/// Where the data contradict the model in a known way: see `judge::sanity`.
 pub fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     let found = faulty_record::search(data, progress)?;
     progress("done", 1.0);
     Ok(found)
 }
 
-/// The same in the gas as the data state it.
+/// The same with gas and position zero as the data state them.
 fn search_as_stated(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     progress("fitting the paper's model", 0.0);
     let (data, baseline) = baseline::fitted(data)?;
@@ -172,11 +174,11 @@ fn search_as_stated(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result
     search.conclude()
 }
 
-/// The paper's model fitted, and what it leaves, with the outliers and the noise as the best single term shows them where it
-/// leaves more than noise: what it lacks is no noise of the recording.
+/// Fits the paper's model and tests it. Where it leaves more than noise, outliers and noise are those that the best single term
+/// shows: what the model lacks is no noise of the recording.
 ///
 /// # Errors
-/// Where its simulation fails at the very start.
+/// Where its simulation fails at the starting point.
 pub fn paper(data: Data) -> Result<(Data, Fit, Adequacy), Error> {
     let (data, baseline) = baseline::fitted(data)?;
     let adequacy = adequacy::test(&data, &baseline);
@@ -219,7 +221,7 @@ impl Search {
         }
     }
 
-    /// Every term alone, with the data weighed as the best of them shows.
+    /// Fits every term alone, with the data weighted as the best of them shows.
     fn singles(&mut self) -> Vec<Candidate> {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let singles = self.fit_all(&models);
@@ -227,7 +229,7 @@ impl Search {
         if best.is_some_and(|best| self.weighs_anew(&best)) { self.refitted(&singles) } else { singles }
     }
 
-    /// Takes the best single term.
+    /// Tries every term alone and takes the best one that may enter.
     fn first_round(&mut self) {
         let mut singles = self.singles();
         let strongest = singles.len().min(policy::FREED);
@@ -242,8 +244,8 @@ impl Search {
         self.take_best(self.tried.clone());
     }
 
-    /// Refuses a coefficient that no single term brings near to one that a gas in a cylinder can have: with a wrong unit of time
-    /// the search would go on to the end with ever larger sets.
+    /// Refuses a coefficient that no single term brings near the plausible range: with a wrong unit of time the search would
+    /// continue to the end with ever larger sets.
     fn refuse_hopeless(&self) -> Result<(), Error> {
         let far = policy::FIRST_GUESS_REACH.exp();
         let (least, most) = (*policy::PLAUSIBLE_COEFFICIENT.start() / far, *policy::PLAUSIBLE_COEFFICIENT.end() * far);
@@ -254,41 +256,41 @@ impl Search {
         }
     }
 
-    /// Whether a further term than the sets of this many is worth looking for.
+    /// Whether to look for sets with more than `level` terms.
     fn goes_on(&self, level: usize) -> bool {
         let model = &self.chosen.model;
         if level > policy::MOST_IN_ALL {
             return false;
         }
         if self.needs_no_more_names() {
-            // One more round where a term has entered, as another one may be hidden behind it; while what single records have for
-            // themselves may stand for effects of the rig; and where they may have more for themselves.
+            // One more round after the first term, as another one may be hidden behind it; also while per-record terms may
+            // imitate effects of the rig, and while further per-record terms are possible.
             return (level == 1 && model.terms() == 1) || model.has_terms_of_records() || self.records_may_differ();
         }
-        // Next to nothing, and less than noise: there the interpolation of a stroke counts that is taken back from an average or
+        // Next to nothing, and less than noise: of this size is the interpolation error of a stroke recovered from an average or
         // a low-pass.
         let is_next_to_nothing = self.chosen_adequacy.systematic_pa < self.data.noise.total_pa()
             && self.chosen_adequacy.settles(self.baseline_adequacy.systematic_pa);
         !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
     }
 
-    /// Whether records may have more for themselves: the chosen model leaves more than noise in all, however little of it repeats have
-    /// in common and however slow it is. A gauge's zero that is read anew before each record is no noise.
+    /// Whether further per-record terms are possible: the chosen model leaves more than noise altogether, however little of it
+    /// repeats share and however slow it is. A gauge zero that is read anew before each record is no noise.
     fn records_may_differ(&self) -> bool {
         let noise_pa = self.data.noise.total_pa().hypot(self.data.accuracy_pa());
         misfit::weighed_rms(&self.data, &misfit::residuals(&self.data, &self.chosen.fit)) > noise_pa
     }
 
-    /// Whether what the chosen model leaves is noise, or nobody minds it: without any name, or where it is next to nothing beside
-    /// what the names took off. Otherwise they may imitate what leaves it, however little that is.
+    /// Whether what the chosen model leaves is noise, or is below the accuracy while nothing is named or the names explain the
+    /// misfit. Otherwise they may imitate the cause of what is left, however little that is.
     pub(super) fn needs_no_more_names(&self) -> bool {
         let left = &self.chosen_adequacy;
         let explains = self.chosen.model.of_rig().is_empty() || self.explains(self.baseline_adequacy.systematic_pa);
         left.is_noise || left.is_good_enough && explains
     }
 
-    /// The better sets of so many terms, each with every further term; whether that led on: a set entered, or those without
-    /// terms of single records became so much better that they may enter yet.
+    /// Extends the better sets of `level` terms by every further term; returns whether that helped: a set entered, or those
+    /// without per-record terms improved so much that one may enter later.
     fn round(&mut self, level: usize) -> bool {
         let chosen = self.chosen.model;
         let enough = self.needs_no_more_names() && !chosen.has_terms_of_records();
@@ -305,13 +307,13 @@ impl Search {
         if enough || chosen.terms() == 0 {
             return false;
         }
-        // None of them helps alone: the better ones two by two.
+        // None of them helps alone: try the better ones in pairs.
         let more = self.best_of(chosen.terms() + 1, policy::PAIRED, |m| terms::is_part(&chosen, m));
         self.try_all([terms::pairs(&more, &chosen)]) || self.catches_up(self.best_of_rig() - of_rig, level + 1)
     }
 
-    /// Each single effect of the gas with a delay of either sign. Beside a delay that it lacks, of half a row already, another term
-    /// may fit better that imitates both, and leave next to nothing.
+    /// Each single effect of the gas with a delay of either sign. Where a delay of as little as half a row is missing, another
+    /// term that imitates both may fit better and leave next to nothing.
     fn singles_with_a_delay(&self) -> Vec<Model> {
         let singles = self.tried.iter().map(|c| c.model).filter(|m| m.terms() == 1 && !m.has_terms_of_records());
         let (delays, others): (Vec<Model>, Vec<Model>) =
@@ -322,15 +324,15 @@ impl Search {
             .collect()
     }
 
-    /// Whether sets of the rig's effects, whose evidence grew by `gain` with the last of so many terms, may come to that of the
-    /// chosen one: if each further term gains as much, where later ones mostly gain less.
+    /// Whether sets of the rig's effects, whose evidence grew by `gain` with the last of `terms` terms, may reach that of the
+    /// chosen set if each further term gains as much; later ones mostly gain less.
     fn catches_up(&self, gain: f64, terms: usize) -> bool {
         let further = policy::MOST_IN_ALL.saturating_sub(terms) as f64;
         gain > policy::DECISIVE && self.best_of_rig() + further * gain > self.chosen.delta_bic
     }
 
-    /// Sets of so many terms that go on: the chosen one and the best, and the best of those without terms of single records,
-    /// which fit much and would crowd the rig's effects out.
+    /// Sets of `level` terms to be extended: the chosen one, the best ones, and the best ones without per-record terms, as those
+    /// fit a lot and would crowd out the rig's effects.
     fn beam(&self, level: usize) -> Vec<Model> {
         let mut parts = vec![self.chosen.model];
         parts.retain(|chosen| chosen.terms() == level);
@@ -339,7 +341,7 @@ impl Search {
         distinct(parts)
     }
 
-    /// The best sets of so many terms, of those whose numbers can be a rig's: what another term imitates would crowd them out.
+    /// The best sets of `terms` terms with credible parameters: those that imitate another cause would crowd them out.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
         let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_beyond_belief();
         let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
@@ -347,13 +349,13 @@ impl Search {
         distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
     }
 
-    /// Evidence of the best set without terms of single records.
+    /// Evidence of the best set without per-record terms.
     fn best_of_rig(&self) -> f64 {
         let is_of_rig = |c: &&Candidate| !c.model.has_terms_of_records() && c.fit.exhausted().is_none();
         self.tried.iter().find(is_of_rig).map_or(0.0, |c| c.delta_bic)
     }
 
-    /// Those whose first step promises the best evidence, with terms of single records and without.
+    /// The models whose first step promises the best evidence, some with per-record terms and some without.
     fn promising(&self, models: Vec<Model>) -> Vec<Model> {
         let promised =
             |model: Model| Some((starts::promised_bic(&self.data, model, self.part_of(&model), &self.sizes)?, model));
@@ -364,8 +366,8 @@ impl Search {
         [of_records, of_rig].into_iter().flat_map(|models| models.into_iter().take(policy::FITTED)).collect()
     }
 
-    /// Fits and judges the promising of each of these groups that were not tried yet; whether one of them entered. Those that exhaust
-    /// an effect do not.
+    /// Fits and judges the promising models of each group that were not tried yet; returns whether one entered. Those that
+    /// exhaust an effect do not enter.
     fn try_all(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> bool {
         let fresh = |models: Vec<Model>| {
             let is_fresh = |model: &Model| {
@@ -385,7 +387,7 @@ impl Search {
         self.take_best(found)
     }
 
-    /// Adds to what was tried: of each model the better fit stays, the best evidence first.
+    /// Adds to the sets tried: keeps the better fit of each model, best evidence first.
     fn keep(&mut self, more: impl IntoIterator<Item = Candidate>) {
         self.tried.extend(more);
         sort(&mut self.tried);
@@ -401,8 +403,7 @@ impl Search {
         Candidate { model: fit.hypothesis.model, delta_bic: bic(&self.baseline.fit) - bic(&fit), fit, held_out: None }
     }
 
-    /// Fits each model from the largest part of it that is there, those that stay far behind the best so far not to the end; best
-    /// evidence first.
+    /// Fits each model, starting from its largest fitted part; those far above the best so far are given up. Best evidence first.
     fn fit_all(&self, models: &[Model]) -> Vec<Candidate> {
         let best = self.tried.first().map_or(self.chosen.fit.chi2, |c| c.fit.chi2.min(self.chosen.fit.chi2));
         let mut out: Vec<Candidate> = models
@@ -424,7 +425,7 @@ impl Search {
     }
 }
 
-/// The first of the models with the same terms.
+/// Keeps the first of the models with the same terms.
 fn distinct(models: Vec<Model>) -> Vec<Model> {
     let mut out: Vec<Model> = Vec::new();
     for model in models {
@@ -435,7 +436,7 @@ fn distinct(models: Vec<Model>) -> Vec<Model> {
     out
 }
 
-/// One of the models with the same terms, with all free that is in any of them.
+/// Merges models with the same terms, with everything free that is free in any of them.
 fn with_all_that_is_freed(models: Vec<Model>) -> Vec<Model> {
     let mut out: Vec<Model> = Vec::new();
     for model in models {
@@ -453,7 +454,7 @@ fn sort(candidates: &mut [Candidate]) {
 
 #[cfg(test)]
 impl Search {
-    /// Of a recipe's rig, with the paper's model fitted and no term tried yet.
+    /// A search on a recipe's rig after the fit of the paper's model, before any term was tried.
     fn after_first_fit(recipe: &crate::synthetic::Recipe) -> Self {
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let adequacy = adequacy::test(&data, &paper);

@@ -1,7 +1,7 @@
-//! Terms that nothing needs go out of the chosen model again.
+//! Removes terms that are not needed from the chosen model.
 //!
-//! A term stays if it is decisive beside the others, and with the stated numbers far more uncertain than stated, the gas's ratio within
-//! its tolerance: an effect that a wrong bore or humid air could imitate is not named.
+//! A term stays if it is decisive beside the others, also with the stated parameters far more uncertain than stated, γ within its
+//! tolerance: an effect that a wrong bore or humid air could imitate is not named.
 
 use super::entry::is_credible;
 use super::starts::fit_model;
@@ -15,8 +15,8 @@ use chamber::effects::EffectSet;
 use rayon::prelude::*;
 
 impl Search {
-    /// Terms that are not decisive beside the others go out again; so do effects that a wrong geometry can stand for, of which the
-    /// last are returned, with what is left without each of its terms in turn.
+    /// Removes terms that are not decisive beside the others, and effects that a wrong geometry could imitate; returns the last
+    /// of the latter, and the models without each of the remaining terms in turn.
     pub(super) fn leave_out_unneeded(&mut self) -> (Option<EffectSet>, Vec<Candidate>) {
         let mut by_geometry = None;
         while self.chosen.model.terms() > 0 {
@@ -40,8 +40,8 @@ impl Search {
         (by_geometry, Vec::new())
     }
 
-    /// The chosen model without each of its terms in turn: with the secondary parameters of the others as free as they are, which a
-    /// term may have entered in place of, or with none of them free, whichever has the better evidence.
+    /// The chosen model without each of its terms in turn: with the others' free secondary parameters, in whose place a term may
+    /// have entered, or with none of them free, whichever has the better evidence.
     fn without_one(&self) -> Vec<Candidate> {
         let models = terms::without_one(&self.chosen.model);
         models
@@ -57,15 +57,15 @@ impl Search {
             .collect()
     }
 
-    /// A part of the chosen model, as it was tried or from the chosen numbers: a fit that ended beside its best would make a term
-    /// seem needed.
+    /// A part of the chosen model, the better of the one tried and a fit from the chosen parameters: a fit that ended short of
+    /// its optimum would make a term seem needed.
     pub(super) fn part_refitted(&self, model: Model) -> Option<Candidate> {
         let known = self.tried.iter().find(|c| c.model == model).cloned();
         let anew = self.refitted_without(&self.chosen.fit, model).map(|fit| self.candidate(fit));
         known.into_iter().chain(anew).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
     }
 
-    /// A fit of a part of a fitted model, from the numbers that it has there.
+    /// Fits a part of a fitted model, starting from its parameters there.
     pub(super) fn refitted_without(&self, whole: &Fit, model: Model) -> Option<Fit> {
         let mut from = whole.clone();
         let gone = whole.hypothesis.model.effects.without(model.effects);
@@ -83,7 +83,8 @@ impl Search {
 }
 
 impl Candidate {
-    /// Evidence over another one, the less of that with all numbers as stated and with the geometry far more uncertain.
+    /// Evidence over another candidate: the smaller of that with the tolerances as stated and that with the geometry far more
+    /// uncertain.
     fn least_gain_over(&self, less: &Candidate) -> f64 {
         let wide = |c: &Candidate| bic_widened(&c.fit, policy::GEOMETRY_WIDENED);
         (self.delta_bic - less.delta_bic).min(wide(less) - wide(self))
@@ -91,9 +92,9 @@ impl Candidate {
 }
 
 impl Found {
-    /// The best set with an effect more than the chosen one, whose evidence is decisive with a wide geometry too: that it takes off less
-    /// than the accuracy asked for keeps it from having a name, but whoever asks for less of the pressures has not asked for less of what
-    /// is told of the numbers.
+    /// The best set with one effect more than the chosen one whose evidence is decisive with a wide geometry too. It is not named
+    /// because it removes less than the requested accuracy, but asking for less accurate pressures does not mean asking for less
+    /// certain parameters.
     pub(crate) fn evident_beside_chosen(&self) -> Option<&Candidate> {
         let chosen = &self.chosen;
         let is_next =

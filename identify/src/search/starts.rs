@@ -1,4 +1,4 @@
-//! Fits of a model with terms added, each from several starts where its error surface has several valleys.
+//! Fits of a model with added terms, each from several starts where its error surface has several valleys.
 
 use crate::fit::{self, Descent, Fit, Selection, Until};
 use crate::judge::evidence;
@@ -10,25 +10,25 @@ use chamber::card::{Fitted, Unit};
 use chamber::effects::{CARDS, EffectSet, PARAMETER_OFFSETS};
 use rayon::prelude::*;
 
-/// Iterations of every trial start, and further ones of those that are not far behind, before the best go on: few, as each costs as
-/// much as one of the fit to the end.
+/// Iterations of every trial start, and further ones of those not far above the best, before the best are fitted to the end: few,
+/// since each costs as much as one of the final fit.
 const TRIAL_ITERATIONS: [usize; 2] = [2, 2];
-/// Iterations that tell how large a curve is: its order of magnitude is enough.
+/// Iterations that determine how large a curve is: its order of magnitude is enough.
 const SIZE_ITERATIONS: usize = 4;
-/// How many starts go on to the end: the best, and a rival that a few iterations do not tell from it.
+/// Number of starts fitted to the end: the best, and a rival that a few iterations do not tell from it.
 const STARTS_THAT_GO_ON: usize = 2;
-/// A start goes on beside the best one if its χ² is less than so many times the best one's...
+/// A start is kept beside the best one if its χ² is less than this multiple of the best one's...
 const NOT_FAR_BEHIND: f64 = 2.0;
-/// ...and is not the same within this share, which means that both have come to the same minimum.
+/// ...and differs from it by more than this fraction: otherwise both have reached the same minimum.
 const THE_SAME: f64 = 1e-4;
 
-/// Fits `model`, beginning from the fit of a part of it: what the part has keeps its values, the rest starts anew. Where the
-/// part has lost λ0, that starts anew too; the better of both.
+/// Fits `model`, starting from the fit of a part of it: the part's parameters keep their values, the others start anew. If the
+/// part has lost λ0, that starts anew too; the better fit counts.
 pub fn fit_model(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<Fit> {
     fit_model_until(data, model, part, sizes, Until::SETTLED)
 }
 
-/// The same until another end.
+/// The same with other stopping criteria.
 pub fn fit_model_until(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let bases = bases(data, part, &model).into_par_iter();
     best(bases.filter_map(|base| fit_from(&base, data, model, part, sizes, until)).collect())
@@ -38,13 +38,13 @@ fn best(fits: Vec<Fit>) -> Option<Fit> {
     fits.into_iter().min_by(|a, b| a.marginal.total_cmp(&b.marginal))
 }
 
-/// The chambers that a larger model than this one begins from: this one's and, where its λ0 is none that the paper's model would
-/// begin from, the same with λ0 and dead volume as first guessed. What lacks a delay, say, fits best without heat transfer, and
-/// there nothing tells how the other effects of the gas would help. Gas that as first guessed relaxed from one row to the next
-/// is no place to begin: the records would not show it, and its equations would be stiff (times in ms declared as s).
+/// The chambers from which a model larger than this part starts: the fitted one and, if the paper's model would not start from
+/// its λ0, the same with λ0 and dead volume as first guessed. A model that lacks a delay, for instance, fits best without heat
+/// transfer, and there nothing shows how the other effects of the gas would help. A first guess with which the gas relaxes from
+/// one row to the next is not used: the records would not show it, and its equations would be stiff (times in ms declared as s).
 ///
-/// A secondary parameter that the part has found and the larger model does not free is as its card states it: as found it would be a
-/// number of the model that nobody counts.
+/// A secondary parameter that the part had free and the larger model does not free is as its card states it: as found it would be
+/// a parameter that is not counted.
 fn bases(data: &Data, part: &Fit, model: &Model) -> Vec<Chamber> {
     let not_freed = model.effects.without(model.secondary).iter().filter(|e| CARDS[*e].is_candidate()).collect();
     let known = as_stated(&part.chamber(), not_freed);
@@ -67,7 +67,7 @@ fn as_stated(chamber: &Chamber, effects: EffectSet) -> Chamber {
     stated
 }
 
-/// Whether λ0 has gone farther from its first guess than a gas in a cylinder is likely to be.
+/// Whether λ0 is farther from its first guess than is likely for a gas in a cylinder.
 fn has_lost_lambda0(chamber: &Chamber) -> bool {
     (chamber.heat_transfer.coefficient / FIRST_LAMBDA0).ln().abs() > FIRST_GUESS_REACH
 }
@@ -83,8 +83,8 @@ fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes
     best(go_on.into_par_iter().filter_map(fitted).collect())
 }
 
-/// Fits `model` where how a hypothesis is put depends on how large its parameters are (a curve is the straighter the smaller it
-/// is): with the size that a few iterations give them.
+/// Fits `model` where the hypothesis depends on how large its parameters are (the smaller a curve, the straighter it is kept):
+/// with the size that a few iterations give them.
 pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let (h, start) = begun(&part.chamber(), data, model, part, sizes).into_iter().next()?;
@@ -94,7 +94,8 @@ pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: 
     fit::fit_until(data, &h, h.coordinates(&chamber), found.own, &selection, until).ok()
 }
 
-/// BIC that `model` would have if the best of its starts kept the promise of its first step: cheap, to choose what to fit.
+/// BIC that `model` would have if the best of its starts achieved the prediction for its first step: a cheap way to choose what
+/// to fit.
 pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
     let promised = |(h, start): (Hypothesis, Descent)| {
         let squares = fit::promise(data, &h, &start.rig, &start.own)? + fit::smoothed(data, &model);
@@ -104,7 +105,7 @@ pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Opt
     begun.collect::<Vec<_>>().into_par_iter().filter_map(promised).min_by(f64::total_cmp)
 }
 
-/// The starts of `model` on a chamber, left where they begin.
+/// The starts of `model` on a chamber, before any iteration.
 fn begun(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Vec<(Hypothesis, Descent)> {
     let fresh: Vec<usize> = model.effects.iter().filter(|e| !part.hypothesis.model.effects.has(*e)).collect();
     let mut starts = starts(base, &fresh, sizes);
@@ -123,7 +124,7 @@ fn is_rival(chi2: f64, best: f64) -> bool {
     chi2 > best * (1.0 + THE_SAME) && chi2 < best * NOT_FAR_BEHIND
 }
 
-/// The starts of `model` on a chamber, each a few iterations on, the best first; a single one is left where it begins.
+/// The starts of `model` on a chamber after a few iterations, best first; a single one is not iterated.
 fn trials(
     base: &Chamber,
     data: &Data,
@@ -136,7 +137,7 @@ fn trials(
     if begun.len() == 1 {
         return begun;
     }
-    // Trials see one repeat of each experiment only.
+    // Trials use one repeat of each experiment only.
     let few: Vec<usize> = data.traces.iter().zip(selection).map(|(t, n)| if t.repeat == 0 { *n } else { 0 }).collect();
     let few = if few.iter().all(|n| *n == 0) { selection.to_vec() } else { few };
     let mut trials = begun;
@@ -155,7 +156,7 @@ fn trials(
     trials
 }
 
-/// Each record's own numbers to begin from: what the part has found of them, first guesses of the rest.
+/// Starting values of the per-record parameters: what the part has found of them, first guesses for the rest.
 pub fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
     data.traces
         .iter()
@@ -169,7 +170,7 @@ pub fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Chambers to begin from: all combinations of the fresh effects' parameter starts.
+/// Starting chambers: all combinations of the new effects' parameter starts.
 fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
     let mut out = vec![*base];
     for &e in fresh {
@@ -191,8 +192,8 @@ fn starts(base: &Chamber, fresh: &[usize], sizes: &Sizes) -> Vec<Chamber> {
     out
 }
 
-/// A chamber for each secondary parameter of an effect that could do what a fitted one of the same unit does: with the one in
-/// the place of the other. A filter looks like a delay, but the way from one to the other may lead over a hill.
+/// A chamber for each secondary parameter of an effect that can act like a fitted one of the same unit, with the former in place
+/// of the latter. A filter looks like a delay, but the path from one to the other may lead over a hill.
 fn exchanged(base: &Chamber, effect: usize) -> Vec<Chamber> {
     let of = |fitted| CARDS[effect].fitted(fitted);
     let pairs = of(Fitted::Always).flat_map(|p| of(Fitted::Secondary).map(move |q| (p, q)));
@@ -208,9 +209,9 @@ fn exchanged(base: &Chamber, effect: usize) -> Vec<Chamber> {
         .collect()
 }
 
-/// A parameter that changes nothing at a neutral value inside its bounds starts there; one whose neutral value is the
-/// lower bound starts above it, at several sizes where a second parameter shapes the same effect. So does a time, below which a
-/// digital filter goes only a little.
+/// Starting values of a parameter. One that changes nothing at a neutral value inside its bounds starts there; one whose neutral
+/// value is the lower bound starts above it, at several sizes where a second parameter shapes the same effect. A time starts
+/// above it, too, as a digital filter goes only slightly below.
 fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes) -> Vec<f64> {
     let p = &CARDS[effect].parameters[parameter];
     let (low, high) = (*p.bounds.start(), *p.bounds.end());
@@ -219,18 +220,18 @@ fn parameter_starts(effect: usize, parameter: usize, free: usize, sizes: &Sizes)
     }
     let size = if is_decay(p) { sizes.relaxation } else { sizes.size_of(p.unit, p.typical) };
     let factors: &[f64] = match (free, p.unit) {
-        // Of what decays: it is gone long before the gas has relaxed, or lasts as long.
+        // Decay times: over long before the gas has relaxed, or as long.
         _ if is_decay(p) => &[0.1, 1.0],
         (_, Unit::SecondPerMetre) => &[0.5],
-        // Within a row and beyond it: wherever the end of a move passes a row, the error has a corner over a time.
+        // Within a row and beyond it: over a time the error has a corner wherever the end of a move passes a row.
         (1, Unit::Second) => &[0.3, 3.0],
-        // By itself a number has one valley, which is reached from where it does little.
+        // A single parameter has one valley, which is reached from a small value.
         (1, _) => &[0.1],
-        // Of two that shape an effect together, each from a light wall to a heavy one...
+        // Of two that shape an effect together: from a light wall to a heavy one...
         (_, Unit::JoulePerKelvin) => &[0.1, 1.0, 10.0],
-        // ...from a small share to a large one, within 0 and 1...
+        // ...from a small fraction to a large one, within 0 and 1...
         (_, Unit::One) => &[0.4, 1.6],
-        // ...and from next to none of an exchange to a fast one, a decade apart.
+        // ...and from almost no exchange to a fast one, a decade apart.
         (_, _) => &[0.05, 0.5, 5.0],
     };
     factors.iter().map(|f| (f * size).clamp(low, high)).collect()

@@ -1,5 +1,5 @@
-//! What a model can gain or lose in one step: an effect of the rig, an effect of the recording that each record has for itself,
-//! the records' initial temperatures, and those of a wall that warms.
+//! Terms that a model can gain or lose in one step: an effect of the rig, a per-record effect of the recording, the records'
+//! initial temperatures, and those of a wall that warms.
 
 use crate::parameters::{self, Model, OwnStart};
 use crate::policy;
@@ -7,7 +7,7 @@ use crate::record::data::Data;
 use chamber::card::{ActsOn, Card, Scope, Tried, Unit};
 use chamber::effects::{self, CARDS, EffectSet};
 
-/// The model with one term more, each way there is; what is freed of the others stays free, as they needed it alone.
+/// The models with one term more; what is freed of the others stays free, as they needed it alone.
 pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
     let suits = |card: &Card| match card.tried {
         Tried::Always => true,
@@ -19,7 +19,7 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
         let one = EffectSet::one(e);
         let effects = model.effects.union(one);
         out.push(Model { effects, ..*model });
-        // A record's own delay has either sign: a second one, of its position, would say the same.
+        // A per-record delay has either sign: a second one, of the position, would be equivalent.
         if is_of_record(card) && data.traces.len() > 1 && !parameters::delays_position(e) {
             out.push(Model { effects, own: model.own.union(one), ..*model });
         }
@@ -29,7 +29,7 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
     out
 }
 
-/// All pairs of these models that have no effect in common but those of `base`, which is a part of each.
+/// All pairs of these models that share no terms but those of `base`, which is a part of each.
 pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
     let mut out = Vec::new();
     for (i, a) in models.iter().enumerate() {
@@ -48,20 +48,20 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
     out
 }
 
-/// Whether a model has no more terms than it may: see [`policy::MOST_TERMS`].
+/// Whether a model has no more terms than allowed: see [`policy::MOST_TERMS`].
 pub fn is_small(model: &Model) -> bool {
     let gas = |e: &usize| !matches!(CARDS[*e].acts_on, ActsOn::Reading | ActsOn::RecordedStroke);
     let of_gas = model.effects.iter().filter(gas).count();
     of_gas <= policy::MOST_TERMS && model.terms() <= policy::MOST_IN_ALL
 }
 
-/// Whether a model takes the stroke back from a record of it that lags or averages: more than one that is only late.
+/// Whether a model recovers the stroke from a lagging or averaging record of it, not just from one that is late.
 pub fn takes_back_the_stroke(model: &Model) -> bool {
     let is_only_late = |e: usize| parameters::delays_position(e) && !model.secondary.has(e);
     model.effects.iter().any(|e| CARDS[e].acts_on == ActsOn::RecordedStroke && !is_only_late(e))
 }
 
-/// The model with one term less, each way there is; what is freed of the others stays free.
+/// The models with one term less; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model.effects.iter().map(|e| model.without(EffectSet::one(e))).collect();
     let shorter = OwnStart::ALL.into_iter().rfind(|start| *start < model.own_start);
@@ -69,7 +69,7 @@ pub fn without_one(model: &Model) -> Vec<Model> {
     out
 }
 
-/// The model with one of the rig's effects that shift or smear records in time exchanged for another one, each way there is.
+/// The models with one of the rig's effects that shift or smear records in time exchanged for another.
 pub fn with_other_timing(model: &Model) -> Vec<Model> {
     let is_of_time = |card: &Card| card.is_candidate() && parameters::is_timing(card);
     let timings: EffectSet = effects::all().filter(|(_, card)| is_of_time(card)).map(|(e, _)| e).collect();
@@ -90,7 +90,7 @@ pub fn is_part(part: &Model, whole: &Model) -> bool {
         && part.own_start <= whole.own_start
 }
 
-/// Those terms of a model that shift or smear the records in time.
+/// The terms of a model that shift or smear the records in time.
 pub fn timing_of(model: &Model) -> Model {
     let part = |set: EffectSet| set.intersection(of_timing());
     let Model { effects, own, secondary, .. } = *model;
@@ -102,17 +102,17 @@ pub fn is_delay(model: &Model) -> bool {
     model.terms() == 1 && model.effects.iter().any(|e| parameters::delays_pressure(e) || parameters::delays_position(e))
 }
 
-/// The effect of which that is true.
+/// The first effect for which this holds.
 pub fn effect_that(is_so: impl Fn(usize) -> bool) -> Option<usize> {
     effects::all().map(|(e, _)| e).find(|e| is_so(*e))
 }
 
-/// Effects of the recording, which each record may have for itself.
+/// Effects of the recording, which can be per-record.
 pub fn of_record() -> EffectSet {
     effects::all().filter(|(_, card)| is_of_record(card)).map(|(e, _)| e).collect()
 }
 
-/// Effects of the recording that shift or smear it in time, and have no part in how much is read.
+/// Effects of the recording that shift or smear it in time without changing the amount read.
 pub fn of_timing() -> EffectSet {
     effects::all().filter(|(_, card)| is_of_record(card) && parameters::is_timing(card)).map(|(e, _)| e).collect()
 }

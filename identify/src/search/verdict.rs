@@ -1,4 +1,4 @@
-//! What the chosen model comes to: from what it leaves on the records it is fitted to and on those that are left out.
+//! The verdict on the chosen model, from what it leaves on the fitted and on the left-out records.
 
 use super::{Candidate, Search, Verdict, terms};
 use crate::judge::{left_out, misfit};
@@ -7,13 +7,14 @@ use chamber::card::Tried;
 use chamber::effects::CARDS;
 
 impl Search {
-    /// What the chosen model comes to: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out whole.
+    /// The verdict on the chosen model: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out
+    /// whole.
     pub(super) fn verdict(&self, follows_the_test: bool, carries_over: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
-        // Noise is no more than that, whatever there was before.
+        // Noise is just noise, whatever the misfit was before.
         let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
         if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
             return match self.explains(before_pa) {
@@ -25,23 +26,23 @@ impl Search {
                 _ => Verdict::Improved,
             };
         }
-        // In fast moves left-out data have errors that the positions leave open, whatever the model.
+        // In fast moves the positions cause errors on left-out data, whatever the model.
         let halves =
             self.chosen_adequacy.systematic_pa < policy::PREDICTS_BETTER * self.baseline_adequacy.systematic_pa;
         let predicts_better = self.leaves_of_left_out(policy::PREDICTS_BETTER) || halves && carries_over;
         if predicts_better { Verdict::Improved } else { Verdict::Unexplained }
     }
 
-    /// Whether the chosen names explain a systematic misfit of so many Pa. With one that is only tried beside others, what they leave
-    /// must be noise or next to nothing: they can imitate the rest of what they are not.
+    /// Whether the chosen names explain a systematic misfit of `before_pa`. With an effect that is only tried beside others, the
+    /// remainder must be noise or next to nothing: such an effect can imitate the rest of a cause that it is not.
     pub(super) fn explains(&self, before_pa: f64) -> bool {
         let imitates = self.chosen.model.of_rig().iter().any(|e| CARDS[e].tried == Tried::BesideOthers);
         let left = &self.chosen_adequacy;
         if imitates { left.is_noise || left.is_next_to_nothing(before_pa) } else { left.explains(before_pa) }
     }
 
-    /// The systematic misfit, Pa, that the chosen terms have to account for: that of the paper's model, or, where a timing is among
-    /// them, that which the timing alone leaves. In a fast move a wrong timing makes an error beside which all others are nothing.
+    /// Systematic misfit, Pa, that the chosen terms must account for: that of the paper's model or, with a timing among them,
+    /// that which the timing alone leaves. In a fast move a wrong timing makes an error that dwarfs all others.
     fn to_be_explained_pa(&self) -> f64 {
         let all_pa = self.baseline_adequacy.systematic_pa;
         let timing = terms::timing_of(&self.chosen.model);
@@ -52,22 +53,22 @@ impl Search {
         self.part_refitted(timing).map_or(all_pa, |c| left(c).min(all_pa))
     }
 
-    /// Whether the chosen model leaves less than this share of the paper's model's systematic error on left-out data.
+    /// Whether the chosen model leaves less than this fraction of the paper's model's systematic error on left-out data.
     fn leaves_of_left_out(&self, share: f64) -> bool {
         let pair = self.baseline.held_out_pa().zip(self.chosen.held_out_pa());
         pair.is_some_and(|(before, after)| self.leaves_less([before, after], share))
     }
 
-    /// Whether of an error before, Pa rms, less than this share of what is systematic in it is left after.
+    /// Whether less than the fraction `share` of the systematic part of an error `before`, Pa rms, is left in `after`.
     pub(super) fn leaves_less(&self, [before, after]: [f64; 2], share: f64) -> bool {
         let noise = self.data.noise.total_pa();
         let systematic = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
         systematic(after) < share * systematic(before)
     }
 
-    /// Whether the chosen model errs on records left out whole hardly more than on those it was fitted to: a cause is at work in
-    /// all of them. Somewhat more is what the fit to the others leaves open, if that accounts for it; and what nothing like it was
-    /// fitted to may be predicted less well, as long as most of the error goes.
+    /// Whether the chosen model's error on records left out whole is hardly larger than on the fitted ones: a cause is at work in
+    /// all of them. It may be somewhat larger if the uncertainty of the fit to the others accounts for that; and where the fitted
+    /// records do not cover the left-out ones, it is enough that most of the error goes.
     pub(super) fn carries_over(&self) -> bool {
         let Some(left_out_pa) = self.chosen.held_out_pa() else { return true };
         let fitted_pa = self.fitted_pa(&self.chosen);
@@ -82,17 +83,17 @@ impl Search {
                 .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
     }
 
-    /// Whether a model's error on records left out whole, Pa rms, is hardly more than that on those it was fitted to.
+    /// Whether a model's error on records left out whole, Pa rms, is hardly larger than on the fitted ones.
     pub(super) fn predicts_as_it_fits(&self, c: &Candidate, left_out_pa: f64) -> bool {
         left_out_pa < policy::CARRIES_OVER * self.fitted_pa(c)
     }
 
-    /// A model's error on the records it was fitted to, Pa rms.
+    /// A model's error on the fitted records, Pa rms.
     fn fitted_pa(&self, c: &Candidate) -> f64 {
         misfit::rms(&self.data, &misfit::residuals(&self.data, &c.fit))
     }
 
-    /// Whether the chosen model is adequate with surroundings of the records that can be.
+    /// Whether the chosen model is adequate with credible ambient temperatures of the records.
     pub(super) fn is_settled(&self) -> bool {
         self.chosen_adequacy.is_adequate() && !self.chosen.fit.needs_other_surroundings()
     }
@@ -140,7 +141,7 @@ mod tests {
         assert!(explains("decaying_turbulence", 0.01) && !explains("decaying_turbulence", 0.05));
     }
 
-    /// Errors on left-out data that are this share of the paper's model's.
+    /// Errors on left-out data that are this fraction of the paper's model's.
     fn share_of_baseline(search: &Search, share: f64) -> Option<HeldOut> {
         let HeldOut { rmse_pa, weighed_pa } = search.baseline.held_out?;
         Some(HeldOut { rmse_pa: share * rmse_pa, weighed_pa: share * weighed_pa })
@@ -154,14 +155,14 @@ mod tests {
         search.first_round();
         assert!(search.carries_over());
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
-        // Half as much again would be what the fit to the others leaves open, since its squares tell of no failure.
+        // Half as much again may be the uncertainty of the fit to the others, since its squares show no failure.
         let predicted = search.chosen.held_out.unwrap();
         let mut times = |factor: f64| {
             search.chosen.held_out = Some(HeldOut { rmse_pa: factor * predicted.rmse_pa, ..predicted });
             search.verdict(false, search.carries_over())
         };
         assert_eq!([times(1.5), times(2.5)], [Verdict::Explained, Verdict::Improved]);
-        // Nor do surroundings of the records that differ by more than they can.
+        // Not explained with ambient temperatures that differ by more than is credible.
         search.chosen.held_out = Some(predicted);
         let mut scattered = |deviations: f64| {
             search.chosen.fit.ambient_scatter = deviations;
@@ -169,7 +170,7 @@ mod tests {
         };
         assert_eq!([scattered(3.5), scattered(2.5)], [Verdict::Improved, Verdict::Explained]);
 
-        // Of few records, which need not show all of the effect each, only that most of the error goes.
+        // With few records, each of which need not show all of the effect, it is enough that most of the error goes.
         search.data.traces.truncate(3);
         search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
         search.chosen.fit.own.truncate(3);
@@ -183,7 +184,7 @@ mod tests {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
         let mut search = Search::after_first_fit(&recipe);
         search.first_round();
-        // Of the error on left-out data three quarters are left, and of the misfit a third.
+        // Three quarters of the error on left-out data are left, and a third of the misfit.
         search.chosen.held_out = share_of_baseline(&search, 0.75);
         let systematic_pa = search.baseline_adequacy.systematic_pa / 3.0;
         search.chosen_adequacy =
