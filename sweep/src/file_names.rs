@@ -38,7 +38,7 @@ pub const OF_THE_STUDY: [&str; 8] =
 /// Name of the record for the table of traces; records of other results have the results' own names.
 const TRACES_RECORD: &str = "traces.json";
 
-/// Paths of the results besides the parts whose hashes are in the manifest.
+/// Paths of the results alongside the parts whose hashes are in the manifest.
 pub const RESULTS: [&str; 3] = [STATISTICS, SENSITIVITY, TRACES_PLACE];
 
 /// Path of the record of a result.

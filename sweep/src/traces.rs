@@ -1,4 +1,4 @@
-//! Time courses of some rows of a study, sampled at a fixed rate: a second table besides the parts.
+//! Time courses of some rows of a study, sampled at a fixed rate: a second table alongside the parts.
 //!
 //! Integrated by `chamber::simulate`, independently of the batches, with the same samples: the gas, and what the sensor shows. At
 //! most `TOGETHER` samples are in memory, or one row's.
@@ -134,7 +134,7 @@ pub fn check(study: &Study, rows: &RowNumbers, rate_hz: f64) -> Result<(), Error
     Ok(())
 }
 
-/// Writes the traces of some rows besides the study's parts. The file appears when complete, replacing an earlier one; the
+/// Writes the traces of some rows alongside the study's parts. The file appears when complete, replacing an earlier one; the
 /// manifest of a finished study then lists it.
 ///
 /// # Errors

@@ -252,7 +252,7 @@ impl<'a> Folder<'a> {
         (0..self.study.parts).map(|part| self.find(part, rows, Look::Length).whole()).collect()
     }
 
-    /// Writes a JSON file besides the parts, unless it is unchanged.
+    /// Writes a JSON file alongside the parts, unless it is unchanged.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
         self.write_changed(name, &pretty(value))
     }
@@ -265,7 +265,7 @@ impl<'a> Folder<'a> {
         self.store.write(name, text.as_bytes()).map_err(self.writing(name))
     }
 
-    /// Writes a JSON result besides the parts, after its record.
+    /// Writes a JSON result alongside the parts, after its record.
     pub fn write_result(&self, name: &str, value: &Value) -> Result<(), Error> {
         let text = pretty(value);
         self.record_result(name, &Digest { sha256: hash::of_bytes(text.as_bytes()), bytes: text.len() as u64 })?;
@@ -277,7 +277,7 @@ impl<'a> Folder<'a> {
         self.write_json(&file_names::record_of_result(place), &json!(digest))
     }
 
-    /// The existing results besides the parts, as described by their records.
+    /// The existing results alongside the parts, as described by their records.
     fn results(&self) -> Result<Vec<Value>, Error> {
         let mut found = Vec::new();
         for place in file_names::RESULTS {

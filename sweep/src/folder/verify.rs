@@ -20,7 +20,7 @@ pub struct Report {
     pub rows: u64,
     /// Parts that are missing or differ from the manifest, with the difference.
     pub wrong: Vec<String>,
-    /// Results besides the parts in the manifest.
+    /// Results alongside the parts in the manifest.
     pub results: Vec<String>,
     /// Those of the results that are missing or differ, with the difference.
     pub wrong_results: Vec<String>,

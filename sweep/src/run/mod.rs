@@ -75,7 +75,7 @@ pub struct Report {
     pub complete: bool,
     /// Rows of all parts by status, once all exist.
     pub statuses_of_study: Option<StatusCounts>,
-    /// Files with results besides the rows, by name.
+    /// Files with results alongside the rows, by name.
     pub results: Vec<&'static str>,
 }
 
