@@ -3,9 +3,9 @@
 
     python3 results/gallery.py PROGRAM [diagnosed_rig] [gas_spring] [benchmarks]
 
-`diagnosed_rig.svg` and `gas_spring.svg` are charts of `pneutherm diagnose --report`, as the program draws them;
-`benchmarks.svg` shows results/benchmarks.json. The gas spring's records are not part of this project (rigs/mbari-upper.toml
-says where they are published).
+`diagnosed_rig.svg` and `gas_spring.svg` are charts of `pneutherm diagnose --report`, as drawn by the program; `benchmarks.svg`
+shows results/benchmarks.json. The gas spring's records are not part of this project (rigs/mbari-upper.toml says where they are
+published).
 """
 
 import html
@@ -20,7 +20,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 WIDTH, HEIGHT = 880, 620
-# Solvers of results/benchmarks.json that are drawn: name there and label.
+# Solvers of results/benchmarks.json in the picture: name in the file, and label.
 SOLVERS = [
     ("exact solution", "pneutherm, exact solution"),
     ("full equations, rtol 1e-10 (the default)", "pneutherm, full equations"),
@@ -34,7 +34,7 @@ SOLVERS = [
 
 
 def charts(program, rig, experiment, titles):
-    """Charts of a diagnosis report, by their titles."""
+    """Charts of a diagnosis report, selected by title."""
     with tempfile.TemporaryDirectory() as folder:
         report = pathlib.Path(folder) / "report.html"
         subprocess.run([program, "diagnose", rig, "--report", report], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
@@ -44,7 +44,7 @@ def charts(program, rig, experiment, titles):
 
 
 def beside(drawings):
-    """Drawings beside each other in one file."""
+    """Drawings side by side in one file."""
     placed = [
         drawing.replace("<svg ", f'<svg x="{i * WIDTH}" y="0" width="{WIDTH}" height="{HEIGHT}" ', 1)
         for i, drawing in enumerate(drawings)
@@ -63,7 +63,7 @@ def gas_spring(program):
 
 
 def benchmarks(_):
-    """Rows a second of each solver, on a logarithmic axis."""
+    """Rows per second of each solver, on a logarithmic axis."""
     measured = json.loads((HERE / "benchmarks.json").read_text())
     rates = {result["name"]: result["rate"] for result in measured["results"]}
     left, right, top, step = 380, 970, 86, 44

@@ -1,7 +1,7 @@
-//! A study's folder in an object store that speaks S3: parts are made on the disk and sent when they are whole.
+//! A study's folder in an S3 object store: parts are made on the local disk and uploaded when complete.
 //!
-//! Address, region and keys are those of the environment (`AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, …) or of the
-//! machine, as for Amazon's own programs.
+//! Address, region and keys come from the environment (`AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, …) or the machine,
+//! as for Amazon's own programs.
 
 use anyhow::{Context, bail};
 use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
@@ -15,11 +15,11 @@ use sweep::store::{LocalFile, Store};
 use tempfile::{NamedTempFile, TempDir};
 use tokio::runtime::Runtime;
 
-/// Bytes that are sent or fetched at once.
+/// Bytes per transfer.
 const PIECE: usize = 8 << 20;
-/// Pieces of a file that are on their way at once.
+/// Number of parallel transfers of a file.
 const ON_THE_WAY: usize = 4;
-/// How long a request is tried again: a wrong address is told within this time.
+/// How long a request is retried: a wrong address is reported within this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A folder in a bucket.
@@ -28,17 +28,17 @@ pub struct Bucket {
     prefix: Key,
     store: AmazonS3,
     runtime: Runtime,
-    /// Where files are made, on the disk.
+    /// Local folder in which files are made.
     staging: TempDir,
 }
 
 impl Bucket {
-    /// `s3://bucket/prefix`.
+    /// Opens `s3://bucket/prefix`.
     ///
     /// # Errors
-    /// It is no such address, or there are no credentials.
+    /// The address is invalid, or there are no credentials.
     pub fn open(place: &Path) -> anyhow::Result<Self> {
-        // Another library of this process may have chosen one already, which serves as well.
+        // Another library in this process may have chosen one already, which is also suitable.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let url = place.to_str().unwrap_or_default();
         let path = url.strip_prefix("s3://").and_then(|rest| rest.split_once('/'));
@@ -90,7 +90,7 @@ impl Bucket {
     }
 }
 
-/// The error of the store as one of input and output, its text in one line.
+/// Converts the store's error to an I/O error with one line of text.
 fn io_error(error: Error) -> io::Error {
     let kind = match &error {
         Error::NotFound { .. } => io::ErrorKind::NotFound,
@@ -100,7 +100,7 @@ fn io_error(error: Error) -> io::Error {
     io::Error::new(kind, error.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Nothing where nothing is.
+/// `None` if the object does not exist, instead of an error.
 fn some<T>(result: Result<T, Error>) -> io::Result<Option<T>> {
     match result {
         Err(Error::NotFound { .. }) => Ok(None),

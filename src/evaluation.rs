@@ -1,4 +1,4 @@
-//! What `pneutherm identify`, `diagnose` and `validate` do before they print, for other callers: Python.
+//! The work of `pneutherm identify`, `diagnose` and `validate` without printing, for other callers such as Python.
 
 use crate::pages::diagnosis;
 use crate::{measured, output};
@@ -12,7 +12,7 @@ use std::path::Path;
 /// The method of that name.
 ///
 /// # Errors
-/// There is none.
+/// If there is none.
 pub fn method(name: &str) -> anyhow::Result<Method> {
     match Method::ALL.into_iter().find(|method| method.name() == name) {
         Some(method) => Ok(method),
@@ -20,10 +20,10 @@ pub fn method(name: &str) -> anyhow::Result<Method> {
     }
 }
 
-/// Identifies what was measured on the rig and writes the model, if asked for.
+/// Identifies the model of a rig's records and writes it, if requested.
 ///
 /// # Errors
-/// A rig that cannot be identified, a file that cannot be written.
+/// For a rig that cannot be identified, or a file that cannot be written.
 pub fn identify(rig: &Rig, method: Method, model: Option<&Path>) -> anyhow::Result<Identification> {
     let mut found = identify::identify(rig, method).with_context(|| rig.path.display().to_string())?;
     found.assumptions.extend(rig.notes());
@@ -33,8 +33,7 @@ pub fn identify(rig: &Rig, method: Method, model: Option<&Path>) -> anyhow::Resu
     Ok(found)
 }
 
-/// Diagnoses what was measured on the rig and writes a report, if asked for. `progress` hears what is being done and which
-/// share of it.
+/// Diagnoses a rig's records and writes a report, if requested. `progress` receives the current activity and the fraction done.
 ///
 /// # Errors
 /// As [`identify()`].
@@ -47,12 +46,12 @@ pub fn diagnose(rig: &Rig, report: Option<&Path>, progress: &(dyn Fn(&str, f64) 
     Ok(found)
 }
 
-/// Judges a model by the records of a rig.
+/// Validates a model on the records of a rig.
 ///
 /// # Errors
-/// Records that the model cannot follow.
+/// For records that the model cannot be integrated along.
 pub fn validate(model: &Model, rig: &Rig, whole_record: bool) -> anyhow::Result<Validated> {
-    // What it left of data that took no part in its fit; a model without any is taken at its word.
+    // Its error on held-out data, else on the data of the fit; a model without either is assumed exact.
     let error_pa = model.provenance.rmse_after_pa.map_or(0.0, |rmse| rmse.held_out.unwrap_or(rmse.fit));
     let predictor = Predictor { chamber: model.chamber, error_pa, of_each_record: model.provenance.of_each_record };
     let mut found =
@@ -88,10 +87,10 @@ fn rmse(of: &estimates::Rmse) -> Rmse {
     Rmse { fit: of.fit, held_out: of.held_out }
 }
 
-/// Writes the model that a diagnosis ends with.
+/// Writes the final model of a diagnosis.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// If the file cannot be written.
 pub fn write_diagnosed(rig: &Rig, found: &Diagnosed, path: &Path) -> anyhow::Result<()> {
     output::write(path, diagnosed_model(rig, found).to_toml()?.as_bytes())
 }

@@ -1,13 +1,13 @@
-//! How an error leaves the program: one sentence on standard error, and the exit code.
+//! How the program reports an error: one sentence on standard error, and the exit code.
 
 use std::io::{self, Write};
 
-/// Tells the error and gives the exit code: 1, or 0 when the reader of our output has simply gone (`| head`).
+/// Reports the error and returns the exit code: 1, or 0 if the reader of the output has closed the pipe (`| head`).
 pub fn report(error: &anyhow::Error) -> u8 {
     if error.chain().any(is_closed_pipe) {
         return 0;
     }
-    // When even standard error is gone there is nobody left to tell.
+    // A closed standard error is ignored.
     let _ = writeln!(io::stderr(), "error: {}", sentence(error));
     1
 }
@@ -16,7 +16,7 @@ fn is_closed_pipe(error: &(dyn std::error::Error + 'static)) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// The chain of causes as one sentence. A cause that the error before it already tells is not told again.
+/// The chain of causes as one sentence, without causes contained in the text so far.
 pub fn sentence(error: &anyhow::Error) -> String {
     let mut told = String::new();
     for cause in error.chain() {

@@ -1,4 +1,4 @@
-//! A model as an FMU: its numbers as start values, and where they come from.
+//! A model as an FMU: its numbers as start values, and their origin.
 
 use anyhow::Context;
 use fmu::identity::Identity;
@@ -13,10 +13,10 @@ use records::{Model, Verdict};
 
 /// The FMU's libraries, built by `build.rs`.
 pub const LIBRARIES: &[Library<'static>] = include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
-/// Where the piston stands in an FMU until its host says otherwise, m.
+/// Start value of the piston's position in an FMU, m.
 const START_POSITION_M: f64 = 0.1;
 
-/// The FMU of a model, as bytes; it keeps the model's file in its resources.
+/// The FMU of a model, as bytes, with the model file in its resources.
 pub fn package(
     version: Version,
     identity: &Identity,
@@ -39,7 +39,7 @@ pub fn package(
     Ok(fmu::package::package(&contents)?)
 }
 
-/// What to know before the model is used, where its diagnosis found no cause.
+/// A caution about the model, if its diagnosis found no cause.
 pub fn doubt(model: &Model) -> Option<&'static str> {
     match model.provenance.verdict? {
         Verdict::Adequate | Verdict::Explained => None,
@@ -52,7 +52,7 @@ pub fn doubt(model: &Model) -> Option<&'static str> {
     }
 }
 
-/// Where the model's numbers come from, for the FMU's documentation.
+/// Origin of the model's numbers, for the FMU's documentation.
 fn about(model: &Model) -> About {
     let provenance = &model.provenance;
     let verdict = provenance.verdict.map(|verdict| match verdict {
@@ -75,7 +75,7 @@ fn about(model: &Model) -> About {
     }
 }
 
-/// The FMU's name of a parameter that a model file names by its key.
+/// The FMU's name of a parameter, from its key in a model file.
 fn variable_of(key: &str) -> Option<String> {
     match key {
         "lambda0_w_per_m2_k" => return Some("lambda0".into()),
@@ -115,7 +115,7 @@ fn starts(model: &Model) -> Starts {
     Starts { parameters: Parameters { real, choices }, inputs }
 }
 
-/// UTC time of generation: that of SOURCE_DATE_EPOCH, else the model's.
+/// UTC time of generation: SOURCE_DATE_EPOCH, else the model's date.
 fn generated(epoch: Option<&str>, model: &Model) -> anyhow::Result<Option<String>> {
     let Some(epoch) = epoch else {
         let as_moment = |date: &String| {

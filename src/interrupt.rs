@@ -1,12 +1,12 @@
-//! What an interrupt (Ctrl-C) or a request to end does before the program ends: files that are being written leave nothing behind.
+//! Handles an interrupt (Ctrl-C) or a termination request: removes files being written before the program ends.
 
 use std::sync::Mutex;
 
-/// A last word on standard error.
+/// Final message on standard error.
 static WORD: Mutex<Option<&'static str>> = Mutex::new(None);
 
-/// From now on an interrupt removes what is half written and ends the program, with that word if there is one. Without a word,
-/// a program that was started to go on through interrupts, as a script's in the background, goes on.
+/// From now on an interrupt removes unfinished files and ends the program, with a message if given. Without a message, a program
+/// started with interrupts ignored, such as in a script's background, keeps ignoring them.
 pub fn ends_the_program(word: Option<&'static str>) {
     if let (Some(word), Ok(mut kept)) = (word, WORD.lock()) {
         *kept = Some(word);
@@ -16,7 +16,7 @@ pub fn ends_the_program(word: Option<&'static str>) {
     }
 }
 
-/// Whether interrupts are ignored, as far as the system tells: Linux in a mask of signals, the first in its lowest bit.
+/// Whether interrupts are ignored, as far as known: Linux reports a mask of signals, with signal 1 in the lowest bit.
 fn is_ignored() -> bool {
     const SIGINT: u32 = 2;
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -39,7 +39,7 @@ fn watch() {
                 eprintln!("{word}");
                 std::process::exit(130);
             }
-            // So that a shell sees by what the program ended.
+            // So that a shell sees the signal that ended the program.
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         });
     });

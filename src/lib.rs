@@ -1,7 +1,7 @@
 //! `pneutherm`: heat transfer in pneumatic cylinder chambers, from the command line.
 //!
-//! A library, so that Python, tests and the guide's reference pages see what the program is made of.
-//! One file a command in `commands/`; `output` is how results leave the program, `failure` how errors do, `pages` the reports.
+//! A library, so that Python, tests and the guide's reference pages can use the program's parts.
+//! One file per command in `commands/`; `output` writes results, `failure` reports errors, `pages` makes the reports.
 
 #[cfg(feature = "object-store")]
 mod bucket;
@@ -46,7 +46,7 @@ Files: traces are CSV; rigs, models and studies are TOML. For an output file, `-
 
 Exit codes: 0 success; 1 wrong input or failure, with one sentence on standard error; 2 wrong usage.";
 
-/// Does what the arguments say, the program's name first, and gives the exit code: 0, 1 or 2 as the help has it.
+/// Runs the program with these arguments, its name first, and returns the exit code: 0, 1 or 2 as in the help.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match Cli::try_parse_from(arguments) {
         Ok(cli) => match cli.command.run() {
@@ -54,7 +54,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             Err(error) => failure::report(&error),
         },
         Err(usage) => {
-            // Help and version arrive here too, with exit code 0. When nobody reads them there is nothing to do.
+            // Help and version also end up here, with exit code 0. A closed output is ignored.
             let _ = usage.print();
             u8::try_from(usage.exit_code()).unwrap_or(2)
         }

@@ -1,5 +1,5 @@
-//! Measured records as reference experiments of an FMU: the model along each record as `pneutherm simulate` has it,
-//! but for the stroke, which is linear from row to row. Readings far off are left out, as `pneutherm validate` does.
+//! Measured records as reference experiments of an FMU: the model along each record as in `pneutherm simulate`, except that the
+//! stroke is linear between rows. Outliers are left out as in `pneutherm validate`.
 
 use crate::other_rig;
 use crate::simulation::course::along_record;
@@ -13,10 +13,10 @@ use identify::record::{checks, far_off, outliers};
 use records::{Model, Rig, Trace};
 use std::collections::HashMap;
 
-/// Each record of the rig, with the error of the model on it, and which readings are left out of them.
+/// Each record of the rig with the model's error on it, and notes on the readings left out.
 ///
 /// # Errors
-/// A record without pressure, or one that the model cannot follow.
+/// For a record without pressure, or one that the model cannot be integrated along.
 pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<(Vec<Validation>, Vec<String>)> {
     let followed = rig.traces().map(|record| Followed::of(model, rig, record)).collect::<anyhow::Result<Vec<_>>>()?;
     let (left_out, not_looked_for) = match left_out(rig, &followed) {
@@ -31,7 +31,7 @@ pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<(Vec<Validation>,
     Ok((followed.into_iter().zip(&left_out).map(|(f, rows)| f.validation(model, rows)).collect(), notes))
 }
 
-/// What to know beside the errors: rows left out, and what makes a model's error another than that of a prediction.
+/// Notes on the errors: rows left out, and reasons why a model's error is not that of a prediction.
 pub fn notes(model: &Model, rig: &Rig) -> Vec<String> {
     rig.notes().into_iter().chain(other_rig::notes(model, rig)).collect()
 }
@@ -42,7 +42,7 @@ struct Followed<'a> {
     pressure_pa: &'a [f64],
     signals: Signals,
     start: Start,
-    /// Measured less model, row by row, Pa.
+    /// Measured minus simulated pressure, row by row, Pa.
     residuals: Vec<f64>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Followed<'a> {
         Ok(Self { record, pressure_pa, signals, start, residuals })
     }
 
-    /// What the FMU gets of it, without some rows' pressures.
+    /// The record's data for the FMU, without the pressures of some rows.
     fn validation(self, model: &Model, left_out: &[usize]) -> Validation {
         let Self { record, pressure_pa, signals, start, residuals } = self;
         let rows: Vec<usize> = (0..record.len()).filter(|row| left_out.binary_search(row).is_err()).collect();
@@ -77,8 +77,8 @@ impl<'a> Followed<'a> {
     }
 }
 
-/// Rows of each record that are far off; why they are not looked for where records cannot be prepared for a comparison, which
-/// `validate` refuses.
+/// Outliers of each record, by row, or the reason why they are not searched for: records that cannot be prepared for a
+/// comparison, which `validate` refuses.
 fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Result<Vec<Vec<usize>>, String> {
     let data = Data::prepare(rig).map_err(|error| error.to_string())?;
     let (prepared, all) = (data.traces.len(), followed.len());
@@ -98,7 +98,7 @@ fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Result<Vec<Vec<usize>>, Str
     Ok(data.traces.iter().zip(&rows).map(of_record).collect())
 }
 
-/// The row of the record that each prepared row is: that of the same line, as some rows are not prepared.
+/// The record's row for each prepared row, matched by line number, as some rows are not prepared.
 fn rows_of(prepared: &Prepared, record: &Trace) -> Vec<usize> {
     let count = prepared.time_s.len();
     if count == record.len() {
@@ -112,7 +112,7 @@ fn rows_of(prepared: &Prepared, record: &Trace) -> Vec<usize> {
         .collect()
 }
 
-/// The inputs at the knots; flows only where some were recorded. The velocity is that of the stretch from a knot to the next.
+/// The inputs at the knots, with flows only if recorded. The velocity applies from each knot to the next.
 fn inputs(signals: &Signals) -> Vec<(&'static str, Vec<f64>)> {
     let knots = &signals.knots;
     let velocity = knots.windows(2).map(|k| (k[1].position - k[0].position) / (k[1].time - k[0].time)).chain([0.0]);

@@ -1,14 +1,14 @@
-//! What makes a model's error on a rig's records another than that of a prediction: records that it was identified from, and a
-//! rig that is not the model's.
+//! Reasons why a model's error on a rig's records is not that of a prediction: records used for its identification, or another
+//! rig.
 
 use records::{Model, Rig};
 use report::digits;
 
-/// Shares by which numbers of the same rig differ at the most: bores and gases as they are written, ...
+/// Largest relative differences between numbers of the same rig: bores and gases as written, ...
 const ALIKE: f64 = 1e-3;
-/// ...known dead volumes as they are measured, ...
+/// ...known dead volumes as measured, ...
 const KNOWN_ALIKE: f64 = 0.05;
-/// ...estimated ones as they are identified.
+/// ...estimated ones as identified.
 const ESTIMATED_ALIKE: f64 = 2.0;
 
 /// The notes, in sentences.
@@ -36,7 +36,7 @@ fn took_part(model: &Model, rig: &Rig) -> Option<String> {
     }
 }
 
-/// What the rig states otherwise than the model.
+/// Differences between the rig's statements and the model.
 fn differences(model: &Model, rig: &Rig) -> Vec<String> {
     let (theirs, ours) = (&rig.cylinder, &model.chamber.geometry);
     let mm = |m: f64| format!("{} mm", digits(1e3 * m, 4));
@@ -59,7 +59,7 @@ fn differences(model: &Model, rig: &Rig) -> Vec<String> {
         }
     }
     let (theirs, ours) = (rig.gas.gas, model.chamber.gas);
-    // `diagnose` takes the ratio that records ask for, so far from the stated one at the most.
+    // `diagnose` may adjust the ratio to the records, at most by this much.
     let ratio_alike = ALIKE.max(identify::policy::TOLERANCES * rig.tolerance.heat_capacity_ratio);
     let words = |name: &Option<String>, gas: &chamber::Gas| {
         let [constant, ratio] = [gas.gas_constant, gas.heat_capacity_ratio].map(|value| digits(value, 4));
@@ -74,7 +74,7 @@ fn differences(model: &Model, rig: &Rig) -> Vec<String> {
     out
 }
 
-/// Whether the greater of two numbers is beyond the smaller by more than that share.
+/// Whether the larger number exceeds the smaller one by more than this fraction.
 fn differs(a: f64, b: f64, share: f64) -> bool {
     a.max(b) > (1.0 + share) * a.min(b)
 }

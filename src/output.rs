@@ -1,4 +1,4 @@
-//! How results leave the program: files that appear whole, or standard output for `-`.
+//! Output of results: files written atomically, or standard output for `-`.
 
 use anyhow::{Context, bail};
 use chamber::effects::{self, EffectSet};
@@ -6,7 +6,7 @@ use records::Rig;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Whether a path given for output means standard output.
+/// Whether an output path means standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
@@ -16,17 +16,17 @@ pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if is_stdout(path) { print(bytes) } else { Ok(records::write_atomically(path, bytes)?) }
 }
 
-/// Writes a result for programs: JSON in lines.
+/// Writes a result for programs as indented JSON.
 pub fn write_json(path: &Path, result: &impl serde::Serialize) -> anyhow::Result<()> {
     write(path, (serde_json::to_string_pretty(result)? + "\n").as_bytes())
 }
 
-/// Whether standard output is one of the places for output that were asked for.
+/// Whether standard output is one of the requested outputs.
 pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
     asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
-/// Refuses, before any work, results that cannot be written: where the program may not write, over an input, two in one place.
+/// Refuses, before any work, results that cannot be written: to a protected place, over an input, or two to one file.
 pub fn check<'a>(
     results: impl IntoIterator<Item = &'a PathBuf>,
     inputs: impl IntoIterator<Item = &'a Path>,
@@ -35,7 +35,7 @@ pub fn check<'a>(
     if inputs.iter().any(|input| is_stdout(input)) {
         bail!("-: standard input is not read under this name; name a file, or /dev/stdin where the system has it");
     }
-    // A device, as /dev/null, takes any number of results.
+    // A device such as /dev/null takes any number of results.
     let is_device = |path: &Path| path.exists() && !path.is_file() && !path.is_dir();
     let results = results.into_iter().filter(|path| !is_device(path));
     let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), place(path))).collect();
@@ -69,25 +69,25 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// One path for each file, however it is named; that of a file to come, if its folder is there.
+/// A unique path for each file, however it is named; also for a new file, if its folder exists.
 fn place(path: &Path) -> PathBuf {
     let of_folder = || Some(folder(path).canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(of_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// Tells something that is no error, on standard error.
+/// Prints a note, which is no error, on standard error.
 pub fn note(text: &str) {
-    // When standard error is gone there is nobody to tell.
+    // A closed standard error is ignored.
     let _ = writeln!(io::stderr(), "note: {text}");
 }
 
-/// Writes to standard output. Unlike `print!` it does not panic when the reader has gone.
+/// Writes to standard output. Unlike `print!` it does not panic on a closed pipe.
 pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(bytes).and_then(|()| out.flush()).context("standard output cannot be written")
 }
 
-/// A line on the effects of a model that a use of it leaves out, if there are any.
+/// A line about the model's effects left out in this use, if any.
 pub fn left_out(effects: EffectSet) -> Option<String> {
     let names: Vec<&str> = effects::all().filter(|(place, _)| effects.has(*place)).map(|(_, card)| card.name).collect();
     let reason = "it belongs to a recorded stroke, and here the stroke is exact";

@@ -1,29 +1,29 @@
-//! What a rig, model, study or motion's layout is, as Python gives it: a file, its content, or a file with some of it replaced.
+//! Settings of a rig, model, study or motion layout as given from Python: a file, its content, or a file with parts replaced.
 
 use anyhow::{Context, bail};
 use records::{Document, RigFile};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
-/// A file, the content of one, or both.
+/// A file, its content, or both.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Where the settings were read from; none where there is no file.
+    /// Source file of the settings, if any.
     pub path: Option<PathBuf>,
-    /// Tables as JSON, with the file's names. They replace what the file says, key by key.
+    /// Tables as JSON, with the names used in files. They replace the file's entries, key by key.
     pub json: Option<String>,
 }
 
 impl Settings {
-    /// The content of a model file; `None` where nothing is given.
+    /// The content of a model file; `None` if not given.
     ///
     /// # Errors
-    /// The file cannot be read, the content is no table.
+    /// If the file cannot be read, or the content is not a table.
     pub fn model(&self) -> anyhow::Result<Option<Document>> {
         self.document("model", Document::read)
     }
 
-    /// The content of a rig file; `None` where nothing is given.
+    /// The content of a rig file; `None` if not given.
     ///
     /// # Errors
     /// As [`Settings::model`].
@@ -31,7 +31,7 @@ impl Settings {
         self.document("rig", RigFile::document)
     }
 
-    /// The content of a study file; `None` where nothing is given.
+    /// The content of a study file; `None` if not given.
     ///
     /// # Errors
     /// As [`Settings::model`].
@@ -57,7 +57,7 @@ impl Settings {
     }
 }
 
-/// JSON as TOML; `place` is where it stands, for complaints: `rig: `, `rig: cylinder`.
+/// JSON as TOML; `place` is its location, for error messages: `rig: `, `rig: cylinder`.
 fn table(entries: Map<String, Value>, place: &str) -> anyhow::Result<toml::Table> {
     let dot = if place.ends_with(' ') { "" } else { "." };
     let entry = |(key, value): (String, Value)| {
@@ -84,7 +84,7 @@ fn toml_value(value: Value, place: &str) -> anyhow::Result<toml::Value> {
     })
 }
 
-/// Puts entries in the place of those of the same name; of tables, entry by entry.
+/// Replaces entries of the same name; tables are merged entry by entry.
 fn replace(table: &mut toml::Table, entries: toml::Table) {
     for (key, value) in entries {
         match (table.get_mut(&key), value) {

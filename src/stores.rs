@@ -1,14 +1,13 @@
-//! Where a study's folder may be: a path, `file:///path`, or, in a build with the feature `object-store`,
-//! `s3://bucket/prefix`.
+//! Locations of a study's folder: a path, `file:///path`, or, in a build with the feature `object-store`, `s3://bucket/prefix`.
 
 use anyhow::bail;
 use std::path::Path;
 use sweep::{Local, Store};
 
-/// The folder of a study.
+/// Opens the folder of a study.
 ///
 /// # Errors
-/// The place can be none.
+/// If the location is invalid.
 pub fn open(place: &Path) -> anyhow::Result<Box<dyn Store>> {
     let Some((scheme, rest)) = place.to_str().and_then(|text| text.split_once("://")) else {
         return Ok(Box::new(Local::new(place)));

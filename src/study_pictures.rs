@@ -1,4 +1,4 @@
-//! Pictures of a study's results, for people: how each result is distributed, and which quantity its variance comes from.
+//! Pictures of a study's results: the distribution of each result, and the sources of its variance.
 
 use anyhow::{Context, Result};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
@@ -6,31 +6,31 @@ use serde_json::Value;
 use sweep::Store;
 use sweep::file_names::{SENSITIVITY, SENSITIVITY_PICTURE, STATISTICS, STATISTICS_PICTURE};
 
-/// Size of a panel, px, without the bars of indices.
+/// Size of a panel without bars of indices, px.
 const PANEL: (u32, u32) = (420, 260);
 /// Height of a quantity's two bars, px.
 const BARS_PX: u32 = 44;
-/// Panels side by side.
+/// Number of panels side by side.
 const COLUMNS: usize = 2;
 
-/// Draws a result; nothing where it has no value.
+/// Draws a result; `None` if it has no value.
 type Draw = fn(&Value) -> Result<Option<String>>;
 
-/// The pictures and what they are drawn from.
+/// The pictures and their source files.
 const PICTURES: [(&str, &str, Draw); 2] =
     [(STATISTICS, STATISTICS_PICTURE, of_statistics), (SENSITIVITY, SENSITIVITY_PICTURE, of_sensitivity)];
 
-/// Draws those of a study's results that a run has written; the names of the pictures.
+/// Draws the results of a study written by a run; returns the names of the pictures.
 ///
 /// # Errors
-/// A result cannot be read, a picture cannot be drawn or written.
+/// If a result cannot be read, or a picture cannot be drawn or written.
 pub fn write(store: &dyn Store, results: &[&str]) -> Result<Vec<&'static str>> {
     let mut written = Vec::new();
     for (source, name, draw) in PICTURES.iter().filter(|(source, ..)| results.contains(source)) {
         let place = |name: &str| store.place().join(name).display().to_string();
         let Some(text) = store.read(source).with_context(|| place(source))? else { continue };
         let Some(picture) = draw(&serde_json::from_slice(&text)?)? else { continue };
-        // A finished study needs no folder that can be written.
+        // A finished study does not require a writable folder.
         if store.read(name).with_context(|| place(name))?.as_deref() != Some(picture.as_bytes()) {
             store.write(name, picture.as_bytes()).with_context(|| place(name))?;
         }
@@ -39,7 +39,7 @@ pub fn write(store: &dyn Store, results: &[&str]) -> Result<Vec<&'static str>> {
     Ok(written)
 }
 
-/// Each result's histogram, where the study has one, otherwise its distribution through the quantiles.
+/// Each result's histogram, if the study has one, otherwise its distribution from the quantiles.
 fn of_statistics(statistics: &Value) -> Result<Option<String>> {
     let columns = statistics["columns"].as_object().into_iter().flatten();
     let named: Vec<(String, &Value)> = columns
@@ -77,7 +77,7 @@ fn steps(histogram: &Value) -> Vec<(f64, f64)> {
     std::iter::once(first).chain(tops).chain([last]).collect()
 }
 
-/// A result's quantiles, from its smallest to its largest value.
+/// Distribution function of a result from its quantiles, from the smallest to the largest value.
 fn distribution(column: &Value) -> Vec<(f64, f64)> {
     let extreme = |key: &str, share: f64| column[key]["value"].as_f64().map(|value| (value, share));
     let quantiles = column["quantiles"].as_array().into_iter().flatten();
@@ -88,7 +88,7 @@ fn distribution(column: &Value) -> Vec<(f64, f64)> {
     points
 }
 
-/// Bars of the indices of first and total order of each result, with their 95 % intervals.
+/// Bars of the first- and total-order indices of each result, with their 95 % intervals.
 fn of_sensitivity(sensitivity: &Value) -> Result<Option<String>> {
     let outputs = sensitivity["outputs"].as_object().into_iter().flatten();
     let panels: Vec<Chart<'_>> = outputs.filter_map(|(name, output)| bars(name, output)).collect();
@@ -126,7 +126,7 @@ fn bars<'a>(name: &'a str, output: &'a Value) -> Option<Chart<'a>> {
     })
 }
 
-/// The last parts of a dotted name, enough to tell effects apart.
+/// A quantity's name without the prefix `effect.`.
 fn short(quantity: &str) -> &str {
     quantity.strip_prefix("effect.").unwrap_or(quantity)
 }

@@ -1,7 +1,8 @@
 //! Balances of mass and internal energy of the gas: equations (1) to (3) with mass m and internal energy U as states.
 //!
 //! dm/dt = Σ ṁin − Σ ṁout,  dU/dt = −P dV/dt + Q̇ + cp (Σ ṁin Tin − Σ ṁout T),  Q̇ = λ Aq (Tw − T)
-//! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding whatever the integrator does.
+//! P = (γ − 1) U/V,  T = U/(m cv), unless an effect makes the heat capacities vary. Both states are conserved to rounding with
+//! any integrator.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
 pub use crate::parts::{Boundary, Conditions, Contents, Course, Flows, Rates, Surroundings, Tight};
@@ -17,18 +18,18 @@ pub const STATES: usize = 2 + OWN_STATES;
 pub const MASS: usize = 0;
 /// Index of the internal energy, J.
 pub const ENERGY: usize = 1;
-/// Index of the first effect's own state.
+/// Index of the first own state of the effects.
 pub const OWN: usize = 2;
 
-/// Number of the first states that are all there are to most sets of effects: see [`moving_states`].
+/// Number of leading states that suffice for most sets of effects: see [`moving_states`].
 pub const FEW_STATES: usize = OWN + effects::FEW_OWN_STATES;
 
-/// Number of states, from the first on, that move with the effects in `set`: an integration may leave out those behind.
+/// Number of leading states that change with the effects in `set`: an integration may drop those after them.
 pub fn moving_states(set: EffectSet) -> usize {
     OWN + effects::own_states_of(set)
 }
 
-/// The effects' own states among the first `N` states; zero for those that are left out.
+/// The effects' own states among the first `N` states; zero for those dropped.
 #[inline(always)]
 pub fn own_states<R: Real, const N: usize>(state: &[R; N]) -> [R; OWN_STATES] {
     let mut own = [R::ZERO; OWN_STATES];
@@ -36,10 +37,10 @@ pub fn own_states<R: Real, const N: usize>(state: &[R; N]) -> [R; OWN_STATES] {
     own
 }
 
-/// A chamber with what its balances would divide by and take roots of again and again worked out once.
+/// A chamber with precomputed reciprocals, roots and other constants that its balances use repeatedly.
 #[derive(Clone, Copy, Debug)]
 pub struct Balances<R = f64> {
-    /// Gas, shape, heat transfer and effects that it is of.
+    /// Its gas, shape, heat transfer and effects.
     pub chamber: Chamber<R>,
     /// γ − 1.
     pub expansion: R,
@@ -53,25 +54,25 @@ pub struct Balances<R = f64> {
     pub cp: R,
     /// λ √(m V)/U, W/(m² K) × kg^½ m^1.5/J, before any effect: λ0 (γ − 1)/√(R P0 T0), as P T = U² (γ − 1)²/(R m V).
     pub heat_transfer_factor: R,
-    /// Lateral area of a volume, 1/m, and area of both ends, m².
+    /// Lateral area per volume, 1/m, and area of both ends, m².
     pub area: [R; 2],
-    /// What each effect has worked out of its parameters.
+    /// [`Effect::constant`](effects::Effect::constant) of each effect.
     pub constants: EffectConstants<R>,
 }
 
-/// Conditions from the states: the gas as it is, wall and heat transfer before any effect.
+/// Conditions from the states: the actual state of the gas, and wall and heat transfer before any effect.
 #[inline(always)]
 pub fn conditions<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, mass: R, energy: R) -> Conditions<R> {
     let contents = Contents::new(mass, energy, chamber.geometry.volume(boundary.position));
     Balances::of(*chamber).conditions(effects::CALORIC.union(effects::VOLUMETRIC), boundary, &contents)
 }
 
-/// [`Balances::state_at`] of a chamber that is asked only once.
+/// [`Balances::state_at`] for a chamber evaluated only once.
 pub fn state_at<R: Real>(chamber: &Chamber<R>, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
     Balances::of(*chamber).state_at(EffectSet::ALL, boundary, pressure, temperature)
 }
 
-/// [`Balances::evaluate`] of a chamber that is asked only once.
+/// [`Balances::evaluate`] for a chamber evaluated only once.
 #[inline(always)]
 pub fn evaluate<R: Real>(
     set: EffectSet,
@@ -82,7 +83,7 @@ pub fn evaluate<R: Real>(
     Balances::of(*chamber).evaluate(set, boundary, state)
 }
 
-/// [`Balances::rates`] of a chamber that is asked only once.
+/// [`Balances::rates`] for a chamber evaluated only once.
 #[inline(always)]
 pub fn rates<R: Real>(
     set: EffectSet,
@@ -94,7 +95,7 @@ pub fn rates<R: Real>(
 }
 
 impl<R: Real> Balances<R> {
-    /// Of that chamber.
+    /// Balances of the given chamber.
     #[inline(always)]
     pub fn of(chamber: Chamber<R>) -> Self {
         let mut balance = Self {
@@ -112,7 +113,7 @@ impl<R: Real> Balances<R> {
         balance
     }
 
-    /// Works out all else from its chamber: after that was changed in place, as lanes of chambers are too large to be moved.
+    /// Recomputes the constants after its chamber was changed in place: lanes of chambers are too large to move.
     #[inline(always)]
     pub fn work_out(&mut self) {
         let Gas { gas_constant, heat_capacity_ratio } = self.chamber.gas;
@@ -130,7 +131,7 @@ impl<R: Real> Balances<R> {
         self.constants = self.chamber.effects.constants(&self.chamber.gas);
     }
 
-    /// States of the chamber in equilibrium of its parts, with the effects in `set`, at a pressure, Pa, and temperature, K.
+    /// States of the chamber in internal equilibrium, with the effects in `set`, at a pressure, Pa, and temperature, K.
     pub fn state_at(&self, set: EffectSet, boundary: &Boundary<R>, pressure: R, temperature: R) -> [R; STATES] {
         let values = &self.chamber.effects;
         let [factor, ..] = values.volume(set, boundary.position, pressure);
@@ -153,13 +154,14 @@ impl<R: Real> Balances<R> {
         core::array::from_fn(|i| i.checked_sub(OWN).map_or(R::ZERO, |place| own[place]))
     }
 
-    /// What the chamber holds in that state.
+    /// Contents of the chamber in the given state.
     #[inline(always)]
     pub fn contents<const N: usize>(&self, boundary: &Boundary<R>, state: &[R; N]) -> Contents<R> {
         Contents::new(state[MASS], state[ENERGY], self.chamber.geometry.volume(boundary.position))
     }
 
-    /// Conditions of its contents: the gas as it is with the effects in `set`, wall and heat transfer before any effect.
+    /// Conditions of the given contents: the state of the gas with the effects in `set`, and wall and heat transfer before any
+    /// effect.
     #[inline(always)]
     pub fn conditions(&self, set: EffectSet, boundary: &Boundary<R>, contents: &Contents<R>) -> Conditions<R> {
         let chamber = &self.chamber;
@@ -206,8 +208,8 @@ impl<R: Real> Balances<R> {
         at
     }
 
-    /// The gas's volume f over the geometry's, m³, where the gas would have the pressure `alone`, Pa, in the latter: P f(P) =
-    /// `alone` by Newton's method. f is close to one, so that a few steps reach rounding.
+    /// The gas's volume over the geometry's, f, where the gas would have the pressure `alone`, Pa, in the latter. Solves P f(P) =
+    /// `alone` by Newton's method: f is close to one, so a few steps reach rounding.
     #[inline(always)]
     fn volume_factor(&self, set: EffectSet, volume: R, alone: R) -> R {
         const STEPS: usize = 6;
@@ -227,7 +229,7 @@ impl<R: Real> Balances<R> {
         self.chamber.effects.volume(set, position, pressure)
     }
 
-    /// Pressure of its contents, Pa, with the effects in `set`.
+    /// Pressure of the given contents, Pa, with the effects in `set`.
     #[inline(always)]
     pub fn pressure(&self, set: EffectSet, contents: &Contents<R>) -> R {
         let pressure = if set.intersection(effects::CALORIC).is_empty() {
@@ -243,8 +245,8 @@ impl<R: Real> Balances<R> {
         pressure / self.volume_factor(set, contents.volume, pressure)
     }
 
-    /// Everything that is known of a chamber at one moment: conditions, rates, and the rates of the effects' own states.
-    /// Only effects in `set` take part; `set` must contain every effect that is not neutral.
+    /// Conditions, rates, and rates of the effects' own states at one moment. Only effects in `set` take part; `set` must contain
+    /// every effect that is not neutral.
     #[inline(always)]
     pub fn evaluate<const N: usize>(
         &self,
@@ -255,8 +257,8 @@ impl<R: Real> Balances<R> {
         self.evaluate_within(&(), set, boundary, &self.contents(boundary, state), &own_states(state))
     }
 
-    /// [`Balances::evaluate`] within surroundings, where the contents and the effects' own states are at hand; the position goes
-    /// unread. The first `M` own states do where the effects in `set` have no others.
+    /// [`Balances::evaluate`] within surroundings, from known contents and own states; the boundary's position is not read. The
+    /// first `M` own states suffice where the effects in `set` have no others.
     #[inline(always)]
     pub fn evaluate_within<const M: usize, S: Surroundings<R>>(
         &self,
@@ -285,7 +287,7 @@ impl<R: Real> Balances<R> {
         }
 
         let mut volume_rate = at.piston_area * at.velocity;
-        // dV/dP, m³/Pa, and what the pressure's rate is less for it.
+        // dV/dP, m³/Pa, and the factor by which it reduces the pressure's rate.
         let (mut by_pressure, mut give) = (R::ZERO, R::ONE);
         let volumetric = chamber.effects.is_volumetric(set);
         if volumetric {
@@ -322,14 +324,14 @@ impl<R: Real> Balances<R> {
         (at, rates, own_rates)
     }
 
-    /// The heat transfer area of gas of a volume, m³, with the effects in `set`, m².
+    /// Heat transfer area, m², for a gas volume, m³, with the effects in `set`.
     #[inline(always)]
     pub fn area_of(&self, set: EffectSet, volume: R) -> R {
         let of_law = self.chamber.geometry.wetted_volume(volume) * self.area[0] + self.area[1];
         self.chamber.effects.heat_transfer_area(set, of_law)
     }
 
-    /// Takes so much heat, J, out of the wall into the gas at once; `state` are the first `N` states.
+    /// Transfers a heat, J, instantaneously from the wall into the gas; `state` holds the first `N` states.
     pub fn heat<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &mut [R; N], heat: R) {
         let values = &self.chamber.effects;
         let mut own = own_states(state);
@@ -340,7 +342,7 @@ impl<R: Real> Balances<R> {
         state[OWN..].copy_from_slice(&own[..N - OWN]);
     }
 
-    /// Enthalpy that flows bring, W: as the energy's rate and as that of V P/(γ − 1) have it.
+    /// Enthalpy flow, W, of the flows: for the rate of the energy and for the rate of P V/(γ − 1).
     #[inline(always)]
     fn enthalpy(&self, set: EffectSet, at: &Conditions<R>, flows: &Flows<R>) -> [R; 2] {
         let [for_energy, for_pressure] = self.chamber.effects.excess_enthalpy(set, at, flows);
@@ -348,7 +350,7 @@ impl<R: Real> Balances<R> {
         [enthalpy + for_energy, enthalpy + for_pressure]
     }
 
-    /// Temperature, K, by which gas that enters from the surroundings counts as warmer than it is in the pressure's rate.
+    /// Excess temperature, K, of gas that enters from the surroundings, as it acts on the pressure's rate.
     #[inline(always)]
     fn excess_of_ambient(&self, set: EffectSet, at: &Conditions<R>) -> R {
         if set.intersection(effects::CALORIC).is_empty() {
@@ -359,13 +361,13 @@ impl<R: Real> Balances<R> {
         self.chamber.effects.excess_enthalpy(set, at, &unit)[1] / at.cp
     }
 
-    /// Rates of the first `N` states, per second: what an integrator needs.
+    /// Rates of the first `N` states, per second, for an integrator.
     #[inline(always)]
     pub fn rates<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         self.rates_with_own::<N, OWN_STATES>(set, boundary, state)
     }
 
-    /// The same where only the first `M` own states, at least `N` - 2, are worked with: those left out cost nothing.
+    /// As [`Balances::rates`], computed with only the first `M` own states, at least `N` - 2: the others cost nothing.
     #[inline(always)]
     pub fn rates_with_own<const N: usize, const M: usize>(
         &self,
@@ -429,14 +431,14 @@ mod tests {
         assert!((change(ENERGY) - 0.1).abs() < 1e-12 && change(MASS) == 0.0);
         let own = |e: usize| OWN + effects::STATE_OFFSETS[e];
         assert!((change(own(wall)) + 0.05).abs() < 1e-12);
-        // The core has no other heat than the work that compresses it.
+        // The core gains no heat: only the compression work heats it.
         let [p, q] = [before, after].map(|state| balance.pressure(set, &balance.contents(&at, &state)));
         let core = before[own(zones)];
         let isentropic = core * (q / p).powf(1.0 - 1.0 / chamber.gas.heat_capacity_ratio);
         assert!((after[own(zones)] / isentropic - 1.0).abs() < 1e-3);
     }
 
-    /// A chamber with each of some effects at its typical values, a boundary over which it breathes, and its states.
+    /// A chamber with the effects in `set` at typical values, a boundary with flows and a moving piston, and its states.
     fn breathing(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
         let chamber = section_31(AreaLaw::Total).with_typical(set);
         let boundary = Boundary {

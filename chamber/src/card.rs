@@ -1,20 +1,20 @@
-//! What an effect declares about itself, once: from a [`Card`] follow the FMU's parameters, the axes a sweep can vary,
-//! the candidates of a diagnosis, the model file's table and a page of the book.
+//! An effect's declaration: the FMU's parameters, the axes of a sweep, the candidates of a diagnosis, the model file's table and
+//! a page of the book all derive from its [`Card`].
 
 use crate::gas::Gas;
 use core::fmt;
 use core::ops::RangeInclusive;
 
-/// The balance an effect changes: where a diagnosis says the evidence points.
+/// The balance an effect changes, to which a diagnosis attributes the evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Balance {
     /// Gas enters or leaves.
     Mass,
-    /// Heat flows otherwise than by the paper's law.
+    /// Heat flows other than by the paper's law.
     Energy,
-    /// The gas fills another volume.
+    /// The gas fills a volume other than the geometry's.
     Volume,
-    /// The gas is as modelled, the recorded pressure is not the gas's.
+    /// The gas is as modelled; the pressure reading is wrong.
     Sensor,
     /// Any of them: the effect's parameters say which.
     Any,
@@ -39,12 +39,12 @@ impl fmt::Display for Balance {
     }
 }
 
-/// What an effect's parameters belong to.
+/// Whether an effect's parameters belong to the rig or to one record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scope {
-    /// The rig: all records share them, and they carry over to other records.
+    /// The rig: shared by all its records and valid for further ones.
     Rig,
-    /// One record: another record of the same rig may have other values.
+    /// One record: other records of the rig may have other values.
     Record,
 }
 
@@ -63,30 +63,30 @@ impl Scope {
 pub enum ActsOn {
     /// The gas itself.
     Gas,
-    /// The pressure reading, behind the gas.
+    /// The pressure reading, after the gas.
     Reading,
-    /// The record of the stroke: how the true stroke follows from it. Of no meaning where the stroke is the true one, as
-    /// in an FMU or a sweep.
+    /// The stroke record: how the true stroke follows from it. Meaningless where the stroke is the true one, as in an FMU or a
+    /// sweep.
     RecordedStroke,
 }
 
 /// Where a diagnosis tries an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Tried {
-    /// From the first round on, by itself and beside others.
+    /// From the first round on, alone and combined with others.
     Always,
-    /// In later rounds, beside others: by itself it would imitate simpler effects.
+    /// In later rounds, combined with others: alone it would imitate simpler effects.
     BesideOthers,
-    /// Nowhere: it is in a model only where a user puts it there.
+    /// Never: only a user puts it into a model.
     Never,
 }
 
-/// Whether the closed form of the sealed chamber (see [`exact`](crate::exact)) survives an effect.
+/// Whether an effect preserves the closed form of the sealed chamber (see [`exact`](crate::exact)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClosedForm {
-    /// With the piston held the effect is a constant, in a ramp a changed integrand: du/dt stays linear in u = 1/T.
+    /// Preserved: a constant while the piston is held, a changed integrand in a ramp; du/dt stays linear in u = 1/T.
     Kept,
-    /// The gas is untouched: the reading is a filter of a known pressure.
+    /// The gas is unaffected: the reading is a filtered known pressure.
     Filter,
     /// The equations must be integrated.
     Lost,
@@ -101,21 +101,21 @@ pub struct Normal {
     pub standard_deviation: f64,
 }
 
-/// What is known of a parameter before any measurement, in its unit.
+/// Prior knowledge of a parameter, in its unit.
 #[derive(Clone, Copy, Debug)]
 pub enum Prior {
-    /// No more than its bounds.
+    /// Its bounds only.
     Flat,
     /// A normal distribution.
     Normal(Normal),
-    /// A normal distribution that follows from the gas.
+    /// A normal distribution that depends on the gas.
     OfGas(fn(&Gas) -> Normal),
 }
 
-/// Unit of a parameter or state. A unit is a power product of SI base units; its names follow from it.
+/// Unit of a parameter or state: a power product of SI base units, from which its names follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unit {
-    /// A ratio or an exponent, without unit.
+    /// Dimensionless: a ratio or an exponent.
     One,
     /// Time, s.
     Second,
@@ -125,11 +125,11 @@ pub enum Unit {
     CubicMetre,
     /// Absolute temperature, K.
     Kelvin,
-    /// Kelvin, for a difference of temperatures.
+    /// Temperature difference, K.
     KelvinDifference,
     /// Absolute pressure, Pa.
     Pascal,
-    /// Pascal, for a difference of pressures.
+    /// Pressure difference, Pa.
     PascalDifference,
     /// Pascal per second.
     PascalPerSecond,
@@ -147,18 +147,18 @@ pub enum Unit {
     SpeedPower,
     /// Area, m².
     SquareMetre,
-    /// Relative change for each kelvin, 1/K.
+    /// Relative change per kelvin, 1/K.
     PerKelvin,
-    /// Relative change for the square of each kelvin, 1/K².
+    /// Relative change per square kelvin, 1/K².
     PerSquareKelvin,
     /// One over an effusivity, m² K/(W s^½).
     InverseEffusivity,
-    /// Another unit with each table: the effect's words say which.
+    /// Unit that depends on the table, as the effect's words say.
     OfTable,
 }
 
 impl Unit {
-    /// How the key of a number with this unit ends, empty without a unit of its own; and the unit as people and FMI tools write it.
+    /// Key suffix of a number in this unit, empty if it has none, and the unit as people and FMI tools write it.
     fn names(self) -> (&'static str, &'static str) {
         match self {
             Unit::One => ("", "1"),
@@ -182,7 +182,7 @@ impl Unit {
         }
     }
 
-    /// The ending of a data column or key with this unit, `None` for a dimensionless one: `conductance_m3_per_s_pa`.
+    /// Suffix of a data column or key in this unit, as in `conductance_m3_per_s_pa`; `None` if it has none.
     pub fn suffix(self) -> Option<&'static str> {
         Some(self.names().0).filter(|suffix| !suffix.is_empty())
     }
@@ -193,18 +193,18 @@ impl Unit {
     }
 }
 
-/// What a parameter's number stands for.
+/// Meaning of a parameter's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A number, which stands for itself.
+    /// A plain number.
     Number,
     /// One of these words, numbered from one; zero for none.
     Word(&'static [&'static str]),
-    /// An entry of the list that is made of the parameters of this name.
+    /// An entry of a list; parameters of the same name form the list.
     Place {
-        /// Its place in the list, from zero.
+        /// Its index in the list, from zero.
         index: usize,
-        /// Whether each entry must be above the one before it.
+        /// Whether each entry must exceed the one before it.
         rising: bool,
     },
 }
@@ -214,37 +214,37 @@ pub enum Kind {
 pub enum Fitted {
     /// In every fit.
     Always,
-    /// Secondary: it keeps its neutral value unless freeing it is decisively better.
+    /// Only if freeing it is decisively better: otherwise it keeps its neutral value.
     Secondary,
-    /// Not at all: a convention, such as a reference length, whose choice another number has in it.
+    /// Never: a convention, such as a reference length, whose choice another parameter absorbs.
     Never,
 }
 
-/// One number of an effect.
+/// One parameter of an effect.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// Name without unit, snake case; all places of a list have the same.
+    /// Name without unit, in snake case; all entries of a list share it.
     pub name: &'static str,
-    /// What its number stands for.
+    /// Meaning of its number.
     pub kind: Kind,
-    /// Unit of its number, of its bounds and of its column.
+    /// Unit of its value, bounds and column.
     pub unit: Unit,
-    /// Values that make sense; others are refused.
+    /// Admissible values; others are refused.
     pub bounds: RangeInclusive<f64>,
-    /// The value at which the parameter changes nothing, and its start value.
+    /// The value without effect, which is also the start value.
     pub neutral: f64,
-    /// A typical value, to begin a fit from and to scale it by; never neutral.
+    /// A typical value, used to start and scale a fit; never neutral.
     pub typical: f64,
     /// When a fit of the effect frees it.
     pub fitted: Fitted,
-    /// What is known of it beforehand.
+    /// Prior knowledge of it.
     pub prior: Prior,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
 }
 
 impl Parameter {
-    /// What most parameters have in common: fitted, dimensionless, with a flat prior.
+    /// Defaults for most parameters: fitted, dimensionless, flat prior.
     pub const DEFAULT: Parameter = Parameter {
         name: "",
         kind: Kind::Number,
@@ -257,7 +257,7 @@ impl Parameter {
         doc: "",
     };
 
-    /// What is known of it beforehand in a chamber with that gas, if more than its bounds.
+    /// The normal prior for a chamber with that gas, if it has one.
     pub fn prior(&self, gas: &Gas) -> Option<Normal> {
         match self.prior {
             Prior::Flat => None,
@@ -266,7 +266,7 @@ impl Parameter {
         }
     }
 
-    /// Name as a key of files and columns, with the unit's suffix: `conductance_m3_per_s_pa`; a place of a list: `values[1]`.
+    /// Key in files and columns, with the unit's suffix: `conductance_m3_per_s_pa`; for a list entry, `values[1]`.
     pub fn key(&self) -> String {
         match (self.kind, self.unit.suffix()) {
             (Kind::Place { index, .. }, _) => format!("{}[{}]", self.name, index + 1),
@@ -275,8 +275,7 @@ impl Parameter {
         }
     }
 
-    /// Whether it is a plain number of its own, that a study can vary or a host can set; words and the knots of a table
-    /// belong together.
+    /// Whether it is a single number that a study can vary and a host can set; words and a table's knots form a unit with others.
     pub fn is_variable(&self) -> bool {
         match self.kind {
             Kind::Number => true,
@@ -286,16 +285,16 @@ impl Parameter {
     }
 }
 
-/// A state of its own that an effect integrates.
+/// An own state: one that an effect integrates.
 #[derive(Clone, Debug)]
 pub struct OwnState {
     /// Name without unit, snake case.
     pub name: &'static str,
     /// Unit of the state and of its nominal size.
     pub unit: Unit,
-    /// Its order of magnitude, the scale of its integration error.
+    /// Its order of magnitude, which scales its integration error.
     pub nominal: f64,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
 }
 
@@ -304,29 +303,29 @@ pub struct OwnState {
 pub struct Card {
     /// Name in files, snake case.
     pub name: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
     /// The equation, one line of plain text.
     pub equation: &'static str,
-    /// Where the form comes from.
+    /// Source of the law.
     pub source: &'static str,
     /// The balance it changes.
     pub balance: Balance,
     /// Which part of a recorded test it changes.
     pub acts_on: ActsOn,
-    /// What its parameters belong to.
+    /// Whether its parameters belong to the rig or to one record.
     pub scope: Scope,
-    /// Whether the closed form of the sealed chamber survives it.
+    /// Whether it preserves the closed form of the sealed chamber.
     pub closed_form: ClosedForm,
     /// Where a diagnosis tries it.
     pub tried: Tried,
-    /// Its parameters. The effect is off when each is neutral.
+    /// Its parameters. The effect is off when all are neutral.
     pub parameters: &'static [Parameter],
     /// Its own states.
     pub states: &'static [OwnState],
-    /// How many places of its lists are in use at these parameters.
+    /// Number of list entries in use at these parameters.
     pub length: fn(&[f64]) -> usize,
-    /// What is wrong with these parameters together, as the end of a sentence.
+    /// Checks the parameters jointly; the error is worded as the end of a sentence.
     pub check: fn(&[f64]) -> Result<(), String>,
 }
 
@@ -336,13 +335,13 @@ impl Card {
         !matches!(self.tried, Tried::Never)
     }
 
-    /// Its parameters that a fit frees like that, with their places.
+    /// Its parameters with this fitting rule, with their indices.
     pub fn fitted(&self, fitted: Fitted) -> impl Iterator<Item = (usize, &'static Parameter)> + use<> {
         self.parameters.iter().enumerate().filter(move |(_, p)| p.fitted == fitted)
     }
 
-    /// What most effects have in common: they change the gas, belong to the rig, have no state of their own, leave no
-    /// closed form, and a diagnosis tries them.
+    /// Defaults for most effects: they change the gas, belong to the rig, have no own state, leave no closed form, and are tried
+    /// in a diagnosis.
     pub const DEFAULT: Card = Card {
         name: "",
         doc: "",

@@ -1,21 +1,22 @@
-//! Where within a step of an integration the rates have a corner.
+//! Locates corners of the rates within an integration step.
 //!
-//! Each corner is where a function of the state changes its sign, as a curve's knot less the variable it is over. The step's own
-//! polynomial leads from one end to the other, and the root in between is found by bisection. Across a corner that polynomial errs:
-//! where the step up to the root falls short, the next one meets the corner once more. Times in s.
+//! A corner is where a function of the state, such as a curve's variable less a knot, changes its sign. Bisection finds the root
+//! on the step's interpolating polynomial. That polynomial errs across a corner: where the step up to the root falls short, the
+//! next step meets the corner again. Times in s.
 
 use crate::integrate::Step;
 use crate::real::Scalar;
 
-/// A function of order one that is smaller is zero: gas that has come to the temperature of its wall, but for the error of the
-/// integration, is on no side of it.
+/// Functions of order one below this magnitude count as zero: for gas at its wall's temperature, the sign is only integration
+/// error.
 const ZERO: f64 = 1e-8;
-/// Corners nearer than this share of a step to one of its ends are at that end.
+/// Corners nearer to an end of a step than this fraction of it count as at that end.
 const NEAR: f64 = 1e-4;
-/// How often the part of a step that a corner lies in is halved.
+/// Number of bisections of the fraction of a step that contains a corner.
 const HALVINGS: usize = 30;
 
-/// When the first of these functions of the time and the states changes its sign within a step; `sides` tells that there are none.
+/// Time at which the first of these functions of time and state changes its sign within a step; `None` from `sides` means no
+/// functions.
 #[inline]
 pub fn first<R: Scalar, const N: usize, const K: usize>(
     step: &Step<R, N>,
@@ -37,7 +38,7 @@ pub fn first<R: Scalar, const N: usize, const K: usize>(
     (share < 1.0).then_some(step.from + share * step.length)
 }
 
-/// Where between 0 and 1 a function changes its sign that is `before` at 0.
+/// Root between 0 and 1 of a function that has the value `before` at 0.
 fn root(before: f64, at: impl Fn(f64) -> f64) -> f64 {
     let (mut from, mut to) = (0.0, 1.0);
     for _ in 0..HALVINGS {
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_function_that_has_come_to_zero_cuts_no_steps() {
-        // Gas on its way to the temperature of the wall, with a corner there.
+        // Gas approaching the wall's temperature, with a corner there.
         let cooling = |t: f64, y: &[f64; 1]| [-y[0] + 1e-9 * (1e3 * t).sin()];
         let steps = |cuts: bool| {
             struct Cooling<F>(F, bool);

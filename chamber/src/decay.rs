@@ -1,21 +1,21 @@
-//! A state that decays by itself, taken exactly within the stages of [`crate::tableau`].
+//! A state with a linear decay term, integrated exactly within the stages of [`crate::tableau`].
 //!
-//! dx/dt = d(t) − μ x with μ constant leads from x(0) to x(c h) = e^(−μ c h) x(0) + ∫ e^(−μ (c h − s)) d(s) ds, s from 0 to c h. The
-//! pair takes ∫ d ds = h Σ a_j d_j, of which the moments Σ a_j c_j^k are those of powers of s. Here each of them is less by what the
-//! decay leaves of it:
+//! dx/dt = d(t) − μ x with constant μ gives x(c h) = e^(−μ c h) x(0) + ∫ e^(−μ (c h − s)) d(s) ds, s from 0 to c h. The pair
+//! approximates ∫ d ds = h Σ a_j d_j, where the moments Σ a_j c_j^k match those of powers of s. Here the decay reduces each
+//! moment:
 //!
 //! Σ a_j(μ) c_j^k = φ_k(μ c h) Σ a_j c_j^k,  φ_k(z) = (k + 1) ∫ e^(−z (1 − s)) s^k ds, s from 0 to 1
 //!
-//! With μ = 0 the weights are the pair's own, and for d that changes slowly the state is right however large μ h is: steps are as
-//! long as d and the other states allow, where an explicit method needs μ h < 3.3. Source of such methods: M. Hochbruck and A. Ostermann,
+//! With μ = 0 the weights are the pair's own. For slowly varying d the state is right however large μ h is: d and the other
+//! states alone limit the step, where an explicit method needs μ h < 3.3. Source of such methods: M. Hochbruck and A. Ostermann,
 //! Acta Numerica 19 (2010) 209. Times in s, μ in 1/s.
 
 use crate::tableau::{A, C, STAGES};
 
-/// Powers of s that the weights of a stage know at most.
+/// Maximum number of moments, k = 0 to 4, that fix the weights of a stage.
 const MOMENTS: usize = 5;
 
-/// How the weights of each stage follow from its φ_k: of a slope, by k.
+/// Coefficients of the φ_k in the weight of each slope in each stage: by stage, slope, k.
 const BY_MOMENT: [[[f64; MOMENTS]; STAGES - 1]; STAGES] = {
     let mut out = [[[0.0; MOMENTS]; STAGES - 1]; STAGES];
     let mut stage = 1;
@@ -54,7 +54,7 @@ const fn moment(stage: usize, k: usize) -> f64 {
     sum
 }
 
-/// Coefficients of the polynomial that is one at the j-th of the slopes that a stage uses, and zero at the others.
+/// Coefficients of the polynomial that is one at the j-th of the slopes that a stage uses and zero at the others.
 const fn lagrange(stage: usize, j: usize) -> [f64; MOMENTS] {
     let mut out = [0.0; MOMENTS];
     out[0] = 1.0;
@@ -76,10 +76,10 @@ const fn lagrange(stage: usize, j: usize) -> [f64; MOMENTS] {
 
 /// φ_k(z), and e^(−z).
 fn phi(z: f64) -> ([f64; MOMENTS], f64) {
-    /// From here on the recursion that divides by z is stable.
+    /// From this z on, the forward recursion, which divides by z, is stable.
     const LARGE: f64 = 1.5;
     let kept = (-z).exp();
-    // Without their factor k + 1 first: ∫ e^(−z (1 − s)) s^k ds = (1 − k × the one before)/z.
+    // Without the factor k + 1 so far: ∫ e^(−z (1 − s)) s^k ds = (1 − k × the one before)/z.
     let mut out = [0.0; MOMENTS];
     if z >= LARGE {
         out[0] = (1.0 - kept) / z;
@@ -102,32 +102,32 @@ fn phi(z: f64) -> ([f64; MOMENTS], f64) {
     (out, kept)
 }
 
-/// One state that decays, and the weights of a step's stages.
+/// A decaying state and the weights of the stages of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Decay {
-    /// Its place among the states.
+    /// Its index among the states.
     pub state: usize,
     /// μ, 1/s.
     pub rate: f64,
-    /// What a stage keeps of it.
+    /// Fraction of the initial value left at each stage.
     pub kept: [f64; STAGES],
-    /// Weights of what drives it in the stages before.
+    /// Weights of the driving term at the earlier stages.
     pub weights: [[f64; STAGES - 1]; STAGES],
-    /// How much of a change of what drives it a whole step leaves in it.
+    /// Fraction of a change of the driving term that remains after a whole step.
     pub left: f64,
 }
 
 impl Decay {
-    /// Of the state at this place, for no step yet.
+    /// For the state at this index, with the weights of a step of zero length.
     pub fn new(state: usize, rate: f64) -> Self {
         Self { state, rate, kept: [1.0; STAGES], weights: A, left: 1.0 }
     }
 
-    /// Works the weights out for a step of a length, s.
+    /// Computes the weights for a step length, s.
     pub fn prepare(&mut self, length: f64) {
         let mut of_stage = ([1.0; MOMENTS], 1.0);
         for stage in 1..STAGES {
-            // The last two stages are both at the end.
+            // The last two stages are both at the end of the step.
             if C[stage] != C[stage - 1] {
                 of_stage = phi(self.rate * C[stage] * length);
             }

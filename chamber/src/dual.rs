@@ -1,17 +1,17 @@
 //! Numbers that carry their derivatives along (forward mode), for exact sensitivities.
 //!
-//! One convention where a law has a kink: [`Real::where_positive`] follows the branch the value takes, so at
-//! the kink itself the derivative is that of the non-positive side; |x| has derivative 0 at 0.
+//! Convention at a kink: [`Real::where_positive`] follows the branch of the value, so at the kink itself the derivative is that
+//! of the non-positive side; |x| has derivative 0 at 0.
 
 use crate::assign_operators;
 use crate::real::{Real, Scalar};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Most derivatives that a number carries along.
+/// Largest number of derivatives.
 const MOST: usize = 12;
 
-/// Evaluates an expression for each derivative, written out: a loop in each operation would become thousands of loops where an
-/// integrator is compiled for these numbers, which takes the compiler many times as long.
+/// Evaluates an expression for each derivative, unrolled: a loop per operation would become thousands of loops in an integrator
+/// compiled for these numbers and slow the compiler down many times.
 macro_rules! each_derivative {
     ($i:ident => $value:expr) => {{
         const { assert!(N <= MOST) };
@@ -30,14 +30,14 @@ macro_rules! each_derivative {
 /// A value and its derivatives with respect to `N` parameters, twelve at the most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
-    /// The number itself.
+    /// The value.
     pub value: f64,
-    /// Derivatives by each of the N independent variables.
+    /// Derivatives with respect to the N independent variables.
     pub tangent: [f64; N],
 }
 
 impl<const N: usize> Dual<N> {
-    /// The `index`-th independent variable, with derivative one by itself.
+    /// The `index`-th independent variable, whose derivative with respect to itself is one.
     #[inline(always)]
     pub fn variable(value: f64, index: usize) -> Self {
         let mut tangent = [0.0; N];
@@ -66,7 +66,7 @@ impl<const N: usize> From<f64> for Dual<N> {
     }
 }
 
-/// Operators of two numbers: the value, and its derivatives by the one and by the other.
+/// Binary operators: the value and its derivatives with respect to both operands.
 macro_rules! operators {
     ($($op:ident $method:ident: $a:ident, $b:ident => $value:expr, $by_a:expr, $by_b:expr;)*) => {$(
         impl<const N: usize> $op for Dual<N> {
@@ -87,7 +87,7 @@ operators! {
 }
 assign_operators!(Dual<N>, const N: usize);
 
-/// Operators with a plain number: the value, and its derivative.
+/// Operators with a plain number: the value and its derivative.
 macro_rules! operators_with_number {
     ($($op:ident $method:ident: $a:ident, $b:ident => $value:expr, $by_a:expr;)*) => {$(
         impl<const N: usize> $op<f64> for Dual<N> {

@@ -1,7 +1,7 @@
 //! Closed forms of the closed chamber (design.md, section 1), for tests and, where they apply, as the solver.
 //!
-//! With the port closed m is constant, T = P V/(m R), and u = 1/T turns the paper's equations into a linear one
-//! (Bernoulli): du/dt + (b Tamb − (γ−1) V̇/V) u = b with b = c (4V/φ + π φ²/2)/√V, c = λ0 √(m R/(P0 T0))/(m cv).
+//! With the port closed m is constant, T = P V/(m R), and u = 1/T makes the paper's equations linear (Bernoulli): du/dt + (b Tamb
+//! − (γ−1) V̇/V) u = b with b = c (4V/φ + π φ²/2)/√V, c = λ0 √(m R/(P0 T0))/(m cv).
 
 use crate::geometry::AreaLaw;
 use crate::model::Chamber;
@@ -22,7 +22,7 @@ pub struct Closed<R = f64> {
 }
 
 impl<R: Real> Closed<R> {
-    /// The chamber filled to a pressure, Pa, at a temperature, K, in that volume, m³. Effects are left out.
+    /// The chamber filled to a pressure, Pa, at a temperature, K, in a volume, m³. Effects are ignored.
     pub fn filled(chamber: &Chamber<R>, pressure: R, temperature: R, volume: R, ambient_temperature: R) -> Self {
         let mass_gas_constant = pressure * volume / temperature;
         let (h, g) = (&chamber.heat_transfer, &chamber.geometry);
@@ -43,7 +43,7 @@ impl<R: Real> Closed<R> {
         self.mass_gas_constant * temperature / volume
     }
 
-    /// k = 1/τ_f, 1/s, with the piston held at that volume: the exact rate at which 1 − Pf/P decays.
+    /// k = 1/τ_f, 1/s, with the piston held at a volume, m³: the exact decay rate of 1 − Pf/P.
     #[inline(always)]
     pub fn rate(&self, volume: R) -> R {
         self.ambient_temperature * ((self.exchange[0] * volume + self.exchange[1]) / volume.sqrt())
@@ -56,7 +56,7 @@ impl<R: Real> Closed<R> {
         self.ambient_temperature / (R::ONE - excess * (-self.rate(volume) * t).exp())
     }
 
-    /// E(x) relative to the start of a part of a ramp: see [`ramp_part`](Self::ramp_part).
+    /// E(x) relative to the start of one part of a ramp: see [`ramp_part`](Self::ramp_part).
     #[inline(always)]
     fn growth(&self, root: R, step: R, dwell: R, x: f64) -> R {
         let stretched = step * x;
@@ -66,14 +66,14 @@ impl<R: Real> Closed<R> {
         (self.ambient_temperature * exchanged - expanded).exp()
     }
 
-    /// One of the equal parts, in √V, of a ramp: 1/T at its end, from 1/T and √V at its start and the part's rise of √V.
+    /// 1/T at the end of one of the parts of a ramp, equal in √V, from 1/T and √V at its start and its increase of √V.
     ///
     /// With q = √V as the variable, x from 0 to 1 and `dwell` = 2 (duration of the ramp)/(q0 + q1)/(number of parts),
     /// b dt = dwell (c a1 q² + c a0) dx. 16-point Gauss–Legendre quadrature.
     #[inline(always)]
     pub fn ramp_part(&self, inverse: R, root: R, step: R, dwell: R) -> R {
         let mut integral = R::ZERO;
-        // A rule that the compiler knows too well it writes out in full, lane by lane.
+        // `black_box` keeps the compiler from unrolling the rule completely, lane by lane.
         let rule: &[(f64, f64)] = black_box(&GAUSS_16);
         for (node, weight) in rule {
             for side in black_box(&[-0.5, 0.5]) {
@@ -88,7 +88,7 @@ impl<R: Real> Closed<R> {
         (inverse + dwell * integral) / self.growth(root, step, dwell, 1.0)
     }
 
-    /// How many of the shortest time scales a ramp lasts: from 1/τ_f at both ends, 1/s, and the ratio of the volumes.
+    /// Duration of a ramp in units of its shortest time scale: from 1/τ_f at both ends, 1/s, and the volume ratio.
     #[inline(always)]
     pub fn time_scales(rates: [R; 2], ratio: R, duration: R) -> R {
         rates[0].max(rates[1]) * duration + ratio.ln().abs()
@@ -96,7 +96,7 @@ impl<R: Real> Closed<R> {
 }
 
 impl Closed<f64> {
-    /// In how many parts a ramp that lasts so many time scales is integrated: none longer than 1.4 of them.
+    /// Number of parts for a ramp of this many time scales: none longer than 1.4 of them.
     pub fn parts(time_scales: f64) -> f64 {
         (0.7 * time_scales).ceil().clamp(1.0, 1e6)
     }
@@ -119,8 +119,8 @@ impl Closed<f64> {
     }
 }
 
-/// Temperature, K, of a closed chamber with its piston held where λ ∝ |T − Tw|^¼ and else constant; `time_constant`, s, is that of the
-/// start.
+/// Temperature, K, of a closed chamber with its piston held where λ ∝ |T − Tw|^¼ and otherwise constant; `time_constant`, s, is
+/// that at the start.
 pub fn held_natural_convection(temperature: f64, ambient_temperature: f64, time_constant: f64, t: f64) -> f64 {
     ambient_temperature + (temperature - ambient_temperature) * (1.0 + t / (4.0 * time_constant)).powi(-4)
 }

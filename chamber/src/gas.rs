@@ -15,7 +15,7 @@ impl Gas<f64> {
     /// Air as in the paper's appendix: R = 287 J/(kg K), γ = 1.4.
     pub const AIR: Gas = Gas { gas_constant: 287.0, heat_capacity_ratio: 1.4 };
 
-    /// Gases known by name, at 300 K and 1 bar: (name, R, γ). Source: NIST Chemistry WebBook, but for air (the paper).
+    /// Gases known by name, at 300 K and 1 bar: (name, R, γ). Source: NIST Chemistry WebBook, except for air (the paper).
     pub const NAMED: [(&'static str, Gas); 7] = [
         ("air", Gas::AIR),
         ("nitrogen", Gas { gas_constant: 296.8, heat_capacity_ratio: 1.4 }),
@@ -29,7 +29,7 @@ impl Gas<f64> {
     /// Relative slope of cv between 300 and 400 K of each of [`Gas::NAMED`], 1/K. Source: NIST-JANAF tables.
     const SLOPES: [f64; 7] = [1.2e-4, 6e-5, 3.4e-4, 0.0, 0.0, 1.6e-4, 1.4e-3];
 
-    /// Relative slope of cv with temperature near 350 K, 1/K, where the gas is one of [`Gas::NAMED`] by its numbers.
+    /// Relative slope of cv with temperature near 350 K, 1/K, if R and γ match one of [`Gas::NAMED`].
     pub fn heat_capacity_slope(&self) -> Option<f64> {
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
         let is_this = |known: &Gas| {

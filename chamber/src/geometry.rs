@@ -9,7 +9,7 @@ use core::f64::consts::PI;
 /// Which gas volume's lateral area counts in the heat transfer area Aq.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaLaw {
-    /// Equation (27): the lateral area of all the gas's volume, dead volume included.
+    /// Equation (27): the lateral area of the whole gas volume, dead volume included.
     Total,
     /// The swept length only, π φ x + π φ²/2, as in the paper's own simulation (section 3.1).
     Swept,
@@ -25,7 +25,7 @@ impl AreaLaw {
     }
 }
 
-/// A cylinder chamber, with or without a rod that runs through it.
+/// A cylinder chamber, with or without a rod through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<R = f64> {
     /// Bore φ, m.
@@ -67,7 +67,7 @@ impl<R: Real> Geometry<R> {
         self.wetted_volume(volume) * lateral + ends
     }
 
-    /// The gas's volume whose lateral area exchanges heat, m³.
+    /// The part of the gas volume whose lateral area exchanges heat, m³.
     #[inline(always)]
     pub fn wetted_volume(&self, volume: R) -> R {
         match self.area_law {
@@ -76,7 +76,7 @@ impl<R: Real> Geometry<R> {
         }
     }
 
-    /// Constants of the area law: lateral area of a volume, 4/(φ − d), 1/m, and both ends' area, π (φ² − d²)/2, m².
+    /// Constants of the area law: lateral area per volume, 4/(φ − d), 1/m, and both ends' area, π (φ² − d²)/2, m².
     #[inline(always)]
     pub fn area_constants(&self) -> [R; 2] {
         let (bore, rod) = (self.bore, self.rod_diameter);
@@ -116,7 +116,7 @@ mod tests {
             let g = Geometry::new(0.032, 0.012, 0.0, law);
             assert!((g.heat_transfer_area(g.volume(0.1)) * 1e4 / hand - 1.0).abs() < 1e-14);
         }
-        // A dead volume that is 20 mm of the same annular column counts as those 20 mm do, or with the other law not at all.
+        // A dead volume equal to 20 mm of the annular column counts as those 20 mm; with the other law it does not count.
         let dead = Geometry::new(0.032, 0.012, 0.0, AreaLaw::Total).piston_area * 0.02;
         let [total, swept] = [AreaLaw::Total, AreaLaw::Swept].map(|law| Geometry::new(0.032, 0.012, dead, law));
         let [longer, alone] = [total, swept].map(|g| g.heat_transfer_area(g.volume(0.08)) * 1e4);

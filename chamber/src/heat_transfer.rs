@@ -4,7 +4,7 @@
 use crate::paper;
 use crate::real::{Real, lift};
 
-/// Eichelberg's law, known at one state of the gas.
+/// Eichelberg's law, fixed at one state of the gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatTransfer<R = f64> {
     /// λ0, W/(m² K), at the reference state.

@@ -1,5 +1,5 @@
-//! Adaptive Runge–Kutta integration by the pair of [`crate::tableau`], with dense output. Step control of E. Hairer, S. P. Nørsett and
-//! G. Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
+//! Adaptive Runge–Kutta integration with the pair of [`crate::tableau`] and dense output. Step control of E. Hairer, S. P.
+//! Nørsett and G. Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 
 use crate::decay::Decay;
 use crate::real::{Real, Scalar};
@@ -11,8 +11,8 @@ pub trait System<R, const N: usize> {
     /// dy/dt at time `t`.
     fn rates(&self, t: f64, y: &[R; N]) -> [R; N];
 
-    /// When the rates have a first corner within a step, s: steps are made to end there, as across a corner their error estimates
-    /// are blind. Unless told otherwise they have none.
+    /// First time, s, at which the rates have a corner within a step; none by default. Steps are made to end there, because error
+    /// estimates miss a corner inside a step.
     #[inline(always)]
     fn corner(&self, _: &Step<R, N>) -> Option<f64> {
         None
@@ -26,7 +26,7 @@ impl<R, const N: usize, F: Fn(f64, &[R; N]) -> [R; N]> System<R, N> for F {
     }
 }
 
-/// How large the local error of a step may be.
+/// Tolerance on the local error of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance<const N: usize> {
     /// Relative to each state.
@@ -35,36 +35,36 @@ pub struct Tolerance<const N: usize> {
     pub absolute: [f64; N],
 }
 
-/// Why an integration could not go on.
+/// Why an integration stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum IntegrationError {
-    /// No step, however small, keeps the error within the tolerance.
+    /// No step, however small, meets the tolerance.
     #[error(
         "no step from t = {at:.6} s keeps the integration error within its tolerance: the state or an input jumps, or is not finite there"
     )]
     StepTooSmall {
-        /// Time that was reached, s.
+        /// Time reached, s.
         at: f64,
     },
-    /// The step count is exhausted.
+    /// The step limit is exceeded.
     #[error("more than {limit} integration steps before t = {at:.6} s")]
     TooManySteps {
-        /// Time that was reached, s.
+        /// Time reached, s.
         at: f64,
-        /// The number allowed.
+        /// The limit.
         limit: usize,
     },
 }
 
-/// Steps that one call of [`Integrator::advance`] may take unless told otherwise.
+/// Default limit of steps in one call of [`Integrator::advance`].
 pub const MAX_STEPS: usize = 1_000_000;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
-/// A planned step may err by so many tolerances before it is cut: numbers that change a little keep the steps.
+/// Error of a planned step, in tolerances, above which it is cut: small changes of the numbers then keep the steps.
 const PLANNED: f64 = 2.0;
 
-/// One accepted step, and the states within it.
+/// One accepted step and the states within it.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<R, const N: usize> {
     /// Its start, s.
@@ -75,15 +75,15 @@ pub struct Step<R, const N: usize> {
     pub start: [R; N],
     /// States at its end.
     pub end: [R; N],
-    /// Slopes in its stages; of a state that decays by itself what drives it.
+    /// Slopes at its stages; for a decaying state, its driving term.
     slopes: [[R; N]; STAGES],
-    /// Which states decay by themselves.
+    /// Which states are integrated as decaying.
     decays: [bool; N],
 }
 
 impl<R: Real, const N: usize> Step<R, N> {
-    /// The states in between, as polynomials of time: Hairer's continuous extension, fourth order; of a state that decays by itself
-    /// the straight line between its ends.
+    /// The states in between, as polynomials of time: Hairer's continuous extension, fourth order; for a decaying state, the
+    /// straight line between its ends.
     #[inline]
     pub fn dense(&self) -> Dense<R, N> {
         let mut terms = [[R::ZERO; N]; 5];
@@ -107,8 +107,8 @@ impl<R: Real, const N: usize> Step<R, N> {
         Dense { from: self.from, per_length: 1.0 / self.length, terms }
     }
 
-    /// One of no length, from these states with these slopes. The next is written over it, and so on: with derivatives a step is
-    /// too large to be moved about.
+    /// A step of zero length from these states and slopes. Later steps overwrite it in place: with derivatives a step is too
+    /// large to move.
     #[inline]
     fn at(start: [R; N], slope: [R; N], decays: &[Decay]) -> Self {
         let slopes = [[R::ZERO; N]; STAGES];
@@ -119,14 +119,14 @@ impl<R: Real, const N: usize> Step<R, N> {
         step
     }
 
-    /// Takes it from its start at a time, s, over a length, s.
+    /// Attempts the step from its start at a time, s, over a length, s.
     #[inline]
     fn attempt(&mut self, system: &impl System<R, N>, from: f64, length: f64, decays: &mut [Decay]) {
         (self.from, self.length) = (from, length);
         decays.iter_mut().for_each(|decay| decay.prepare(length));
         let Self { start, end, slopes, .. } = self;
         for stage in 1..STAGES {
-            // State by state: the sum stays in registers, however many derivatives a number has.
+            // State by state, so that the sum stays in registers, however many derivatives a number has.
             for i in 0..N {
                 let mut sum = slopes[0][i] * A[stage][0];
                 for j in 1..stage {
@@ -147,7 +147,7 @@ impl<R: Real, const N: usize> Step<R, N> {
         }
     }
 
-    /// Makes its end the start of the next one.
+    /// Makes its end the start of the next step.
     #[inline]
     fn go_on(&mut self) {
         self.start = self.end;
@@ -155,7 +155,7 @@ impl<R: Real, const N: usize> Step<R, N> {
     }
 }
 
-/// What drives states that decay by themselves, from the slopes of all.
+/// Turns the slopes of decaying states into their driving terms.
 #[inline]
 fn leave_out_decays<R: Real, const N: usize>(slopes: &mut [R; N], states: &[R; N], decays: &[Decay]) {
     for decay in decays {
@@ -186,39 +186,39 @@ impl<R: Real, const N: usize> Dense<R, N> {
     }
 }
 
-/// An integration under way. The caller breaks it at discontinuities with [`Integrator::advance`]'s end time.
+/// A running integration. The caller stops it at discontinuities with [`Integrator::advance`]'s end time.
 #[derive(Clone, Debug)]
 pub struct Integrator<R, const N: usize> {
     /// Time reached, s.
     pub time: f64,
-    /// States at that time.
+    /// States at this time.
     pub state: [R; N],
-    /// Next step to try, s; zero asks for a first guess.
+    /// Next step to try, s; zero requests an initial guess.
     pub step: f64,
-    /// The longest step that it may choose, s: where something short happens that its stages would pass over.
+    /// Longest step it may choose, s, so that its stages do not step over something short.
     pub longest: f64,
-    /// Steps that one call of [`Integrator::advance`] may take.
+    /// Limit of steps in one call of [`Integrator::advance`].
     pub max_steps: usize,
     tolerance: Tolerance<N>,
     decays: Vec<Decay>,
 }
 
 impl<R: Scalar, const N: usize> Integrator<R, N> {
-    /// At `time` with these states.
+    /// Starts at `time` with these states.
     pub fn new(time: f64, state: [R; N], tolerance: Tolerance<N>) -> Self {
         Self { time, state, step: 0.0, longest: f64::INFINITY, max_steps: MAX_STEPS, tolerance, decays: Vec::new() }
     }
 
-    /// The same of states that decay at these rates, 1/s, by themselves, zero where they do not: taken exactly ([`crate::decay`]), so
-    /// that fast ones do not make the steps short.
+    /// With states that decay at these rates, 1/s, zero for states without decay. The decay is integrated exactly
+    /// ([`crate::decay`]), so that fast decay does not shorten the steps.
     pub fn with_decays(mut self, rates: [f64; N]) -> Self {
         let decaying = rates.into_iter().enumerate().filter(|(_, rate)| *rate > 0.0);
         self.decays = decaying.map(|(state, rate)| Decay::new(state, rate)).collect();
         self
     }
 
-    /// Integrates to `end`, s, over a stretch on which the system is smooth but for its corners; hands each accepted step to
-    /// `on_step`.
+    /// Integrates to `end`, s, over an interval on which the system is smooth except for its corners; passes each accepted step
+    /// to `on_step`.
     ///
     /// # Errors
     /// When no step meets the tolerance, or [`Integrator::max_steps`] is exceeded; time and states are then those of the last
@@ -233,8 +233,8 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         self.advance_by(system, end, |_| None, on_step)
     }
 
-    /// The same by planned steps: `planned` gives the end, s, of the one that leads on from a time, no later than `end`; `None`
-    /// leaves the step to the integrator. One that errs by more than twice the tolerance is cut.
+    /// As [`Integrator::advance`], with planned steps: `planned` returns the end, s, of the step that starts at a time, at most
+    /// `end`; `None` leaves the step to the integrator. A planned step whose error exceeds twice the tolerance is cut.
     ///
     /// # Errors
     /// As [`Integrator::advance`].
@@ -260,7 +260,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             let left = until - self.time;
             let length = if plan.is_some() && !rejected { left } else { self.step.min(self.longest) };
             let mut is_last = length >= left * (1.0 - 1e-12);
-            // Two even steps rather than one whole and a sliver.
+            // Two equal steps instead of a full step and a sliver.
             let mut h = if is_last { left } else { length.min(0.5 * left) };
             step.attempt(system, self.time, h, &mut self.decays);
             let mut error = self.error(&step);
@@ -276,7 +276,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
                 on_step(&step);
                 step.go_on();
                 let factor = (SAFETY * error.max(1e-10).powf(-0.2)).clamp(SHRINK, if rejected { 1.0 } else { GROW });
-                // A step cut short by the end or a corner says nothing against the longer one that was planned.
+                // A step cut short by the end or a corner is no reason to drop the longer planned one.
                 self.step = if is_last || corner.is_some() { self.step.max(h * factor) } else { h * factor };
                 rejected = false;
                 if is_last && until == end {
@@ -294,7 +294,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         Err(IntegrationError::TooManySteps { at: self.time, limit: self.max_steps })
     }
 
-    /// Error of a step relative to the tolerance (largest component), infinite where a state is not finite.
+    /// Largest error of a step relative to the tolerance; infinite where a state is not finite.
     #[inline]
     fn error(&self, step: &Step<R, N>) -> f64 {
         let mut sums = [0.0; N];
@@ -317,7 +317,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         worst
     }
 
-    /// A first step in which no state changes by much more than tolerance^(1/5) of itself.
+    /// A first step in which no state changes by much more than its fraction tolerance^(1/5).
     fn first_step(&self, first: &[R; N], end: f64) -> f64 {
         let mut step = end - self.time;
         for (i, slope) in first.iter().enumerate() {
@@ -365,7 +365,7 @@ mod tests {
         assert!((run.state[0] - 32.0).abs() < 1e-13 * 32.0, "{}", run.state[0]);
     }
 
-    /// A gas that cools to a surface which its heat warms, and which forgets that at two rates, 1/s, one of them fast.
+    /// Decay rates, 1/s, of a test system: a gas cools to a surface that its heat warms in two decaying modes, one of them fast.
     const FORGETS: [f64; 3] = [0.0, 0.02, 400.0];
 
     fn cooling(_: f64, y: &[f64; 3]) -> [f64; 3] {
@@ -391,7 +391,7 @@ mod tests {
         let (state, few, within) = run(3e-7, FORGETS);
         let off = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off(&state, &exact) < 3e-5 && 100 * few < many, "{state:?} {exact:?} {few} {many}");
-        // Between the ends of a step, too, the forgetful state is next to what drives it.
+        // Within a step, too, the fast state stays close to its quasi-steady value.
         for (time, state) in within.into_iter().filter(|(time, _)| *time > 1.0) {
             let flux = 0.1 * (state[0] - state[1] - state[2]);
             assert!((state[2] - 9.0 * flux / FORGETS[2]).abs() < 3e-3, "{time} {state:?}");

@@ -5,16 +5,16 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`real`] | the number types the physics is written over: `f64`, [`Dual`](dual::Dual), and the lanes of the crate `ensemble` |
+//! | [`real`] | the generic number of the physics: `f64`, [`Dual`](dual::Dual), and the lanes of the crate `ensemble` |
 //! | [`gas`], [`geometry`], [`heat_transfer`] | the parts of a chamber |
 //! | [`effects`] | what the paper's model neglects: one effect, one file |
 //! | [`balance`] | equations (1) and (2) as balances of mass and energy |
-//! | [`integrate`], [`tableau`], [`decay`] | adaptive Dormand–Prince 5(4) with dense output; states that decay by themselves |
-//! | [`record`] | following a chamber along its inputs, and its sensor's readings |
-//! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as a sensor sees it |
+//! | [`integrate`], [`tableau`], [`decay`] | adaptive Dormand–Prince 5(4) with dense output; exact decay terms |
+//! | [`record`] | integrating a chamber along its inputs, and its sensor's readings |
+//! | [`signals`], [`simulate`] | a chamber along a measured or planned stroke, as seen by a sensor |
 //! | [`exact`] | closed forms of the closed chamber |
-//! | [`seven_steps`] | the paper's evaluation of a push-and-hold test, behind its regression |
-//! | [`words`] | names as a sentence lists them |
+//! | [`seven_steps`] | the paper's evaluation of a push-and-hold test, after its regression |
+//! | [`words`] | lists of names in sentences |
 //! | [`paper`] | numbers of Carneiro and Gomes de Almeida (2006) used as defaults |
 //!
 //! Source of the method: J. F. Carneiro and F. Gomes de Almeida, "Heat transfer evaluation of industrial pneumatic

@@ -9,7 +9,7 @@ use crate::real::Real;
 /// All constants of one chamber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chamber<R = f64> {
-    /// The gas in it.
+    /// Its gas.
     pub gas: Gas<R>,
     /// Bore, rod and dead volume.
     pub geometry: Geometry<R>,
@@ -20,17 +20,17 @@ pub struct Chamber<R = f64> {
 }
 
 impl Chamber<f64> {
-    /// The paper's model: no further effect.
+    /// The paper's model: no effect.
     pub fn new(gas: Gas, geometry: Geometry, heat_transfer: HeatTransfer) -> Self {
         Self { gas, geometry, heat_transfer, effects: EffectValues::NEUTRAL }
     }
 
-    /// The same with an effect, by its place in the list, whose first parameters are these.
+    /// This chamber with the first parameters of the effect at that index in the list replaced.
     pub fn with(self, index: usize, first: &[f64]) -> Self {
         Self { effects: self.effects.with(index, first), ..self }
     }
 
-    /// The same with the effects in `set` at their typical values.
+    /// This chamber with the effects in `set` at their typical values.
     pub fn with_typical(self, set: EffectSet) -> Self {
         Self { effects: self.effects.with_typical(set), ..self }
     }

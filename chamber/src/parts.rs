@@ -1,17 +1,17 @@
-//! What a balance is made of: the boundary, the gas at one moment, flows, rates, and what a system around the chamber adds.
+//! Components of a balance: the boundary, the gas at one moment, flows, rates, and additions from a surrounding system.
 
 use crate::real::{Real, lift};
 
-/// What the surroundings impose at one moment.
+/// Conditions imposed by the surroundings at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary<R = f64> {
     /// Distance of the piston face from the chamber's end, m.
     pub position: R,
-    /// Its rate, m/s.
+    /// Velocity of the piston, m/s.
     pub velocity: R,
     /// Mass flow into the chamber, kg/s, at [`Boundary::temperature_in`].
     pub mass_flow_in: R,
-    /// Temperature of the gas that enters, K.
+    /// Temperature of the entering gas, K.
     pub temperature_in: R,
     /// Mass flow out of the chamber, kg/s, at the gas's temperature.
     pub mass_flow_out: R,
@@ -39,14 +39,14 @@ impl<R: Real> Boundary<R> {
 
 lift!(Boundary: position, velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure);
 
-/// Gas, wall and surroundings at one moment, as the effects see them. SI units.
+/// Gas, wall and surroundings at one moment, as seen by the effects. SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<R> {
     /// Mass of the gas, kg.
     pub mass: R,
     /// Volume of the gas, m³.
     pub volume: R,
-    /// Of the geometry's volume what the piston has swept, m³.
+    /// Part of the geometry's volume swept by the piston, m³.
     pub swept_volume: R,
     /// Absolute pressure of the gas, Pa.
     pub pressure: R,
@@ -56,9 +56,9 @@ pub struct Conditions<R> {
     pub per_mass: R,
     /// Reciprocal of the volume, 1/m³.
     pub per_volume: R,
-    /// P V/(γ − 1), J: with constant heat capacities the internal energy.
+    /// P V/(γ − 1), J: the internal energy if heat capacities are constant.
     pub energy: R,
-    /// Reciprocal of that, 1/J.
+    /// Reciprocal of `energy`, 1/J.
     pub per_energy: R,
     /// λ, W/(m² K), before any effect.
     pub eichelberg: R,
@@ -93,32 +93,33 @@ pub struct Conditions<R> {
 }
 
 impl<R: Real> Conditions<R> {
-    /// 1/T of the mean temperature, 1/K, without a quotient.
+    /// Reciprocal of the mean temperature, 1/K, without a division.
     #[inline(always)]
     pub fn per_temperature(&self) -> R {
         self.mass * self.cv * self.per_energy
     }
 
-    /// dP/dt, Pa/s, in a volume that does not follow the pressure, with this heat and enthalpy into the gas, W, and this
-    /// power of the gas, W.
+    /// dP/dt, Pa/s, in a volume independent of the pressure, for this heat and enthalpy flow into the gas, W, and this power of
+    /// the gas, W.
     #[inline(always)]
     pub(super) fn pressure_rate(&self, heat: R, work: R) -> R {
         (self.expansion * (heat - work) - work) * self.per_volume
     }
 }
 
-/// How the pressure would go on if no gas were stored beside the chamber.
+/// Course of the pressure without gas storage beside the chamber.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<R> {
-    /// Its rate, Pa/s.
+    /// Rate of the pressure, Pa/s.
     pub rate: R,
-    /// By how much less it changes for a flow since the volume gives way to it, 1 where that does not.
+    /// Factor by which a pressure-dependent volume reduces the pressure's response to a flow; 1 for a volume independent of it.
     pub give: R,
-    /// Temperature by which gas from the surroundings counts as warmer than it is, as the heat capacity depends on temperature, K.
+    /// Excess temperature, K, of gas from the surroundings, as it acts on the pressure where the heat capacity depends on
+    /// temperature.
     pub excess: R,
 }
 
-/// Gas that enters and leaves.
+/// Flows into and out of the chamber.
 #[derive(Clone, Copy, Debug)]
 pub struct Flows<R> {
     /// Mass flow in, kg/s.
@@ -154,7 +155,7 @@ impl<R: Real> Flows<R> {
         self.inflow_cube_kelvin += square_kelvin * temperature;
     }
 
-    /// Adds a flow out of the chamber, kg/s, that where it is negative enters at a temperature, K.
+    /// Adds a flow out of the chamber, kg/s; a negative one enters at a temperature, K.
     #[inline(always)]
     pub fn leave(&mut self, flow: R, temperature: R) {
         self.outflow += flow.where_positive(flow, R::ZERO);
@@ -177,11 +178,11 @@ pub struct Rates<R> {
     pub heat_transfer_coefficient: R,
     /// Net enthalpy flow into the gas, W.
     pub enthalpy_flow: R,
-    /// P dV/dt, the power of the gas on what bounds it, W.
+    /// P dV/dt, the power of the gas on its moving boundary, W.
     pub work: R,
 }
 
-/// What a chamber holds at one moment.
+/// Contents of a chamber at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Contents<R = f64> {
     /// Mass m, kg.
@@ -190,31 +191,31 @@ pub struct Contents<R = f64> {
     pub energy: R,
     /// Volume V, m³.
     pub volume: R,
-    /// 1/√(m V), kg^-½ m^-1.5: the only root that λ(P, T) needs.
+    /// 1/√(m V), kg^-½ m^-1.5: the only root needed for λ(P, T).
     pub per_root: R,
     /// 1/U, 1/J.
     pub per_energy: R,
 }
 
 impl<R: Real> Contents<R> {
-    /// Of mass, kg, internal energy, J, and volume, m³.
+    /// Contents from mass, kg, internal energy, J, and volume, m³.
     #[inline(always)]
     pub fn new(mass: R, energy: R, volume: R) -> Self {
         Self { mass, energy, volume, per_root: (mass * volume).sqrt().recip(), per_energy: energy.recip() }
     }
 }
 
-/// What a system around the chamber imposes beyond its [`Boundary`]: a wall held by others, ports to other volumes. Both
-/// hooks run after the effects'.
+/// What a surrounding system imposes beyond the [`Boundary`]: a prescribed wall temperature, ports to other volumes. Both hooks
+/// run after those of the effects.
 pub trait Surroundings<R> {
-    /// Whether no gas enters or leaves: then the boundary's flows and the effects' go unread.
+    /// Whether no gas enters or leaves: the flows of boundary and effects are then ignored.
     const TIGHT: bool = false;
 
     /// Changes what the balance sees of gas and wall.
     #[inline(always)]
     fn conditions(&self, _at: &mut Conditions<R>) {}
 
-    /// Gas that enters or leaves.
+    /// Adds flows into and out of the chamber.
     #[inline(always)]
     fn flows(&self, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
 }
@@ -222,7 +223,7 @@ pub trait Surroundings<R> {
 /// Nothing beyond the boundary.
 impl<R> Surroundings<R> for () {}
 
-/// A boundary that no gas crosses, and no effect that lets any pass: the mass stays what it is.
+/// No gas crosses the boundary, and no effect passes any: the mass is constant.
 pub struct Tight;
 
 impl<R> Surroundings<R> for Tight {

@@ -1,6 +1,6 @@
-//! The number the physics is written over, so that one source serves plain numbers, derivatives and SIMD lanes.
+//! The generic number of the physics: one source serves plain numbers, derivatives and SIMD lanes.
 //!
-//! Branches between values are taken with [`Real::where_positive`], never with `if`: in lanes both sides run.
+//! Value-dependent branches use [`Real::where_positive`], never `if`: in lanes both sides are evaluated.
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -25,8 +25,8 @@ pub trait Real:
     const ZERO: Self;
     /// The number 1.
     const ONE: Self;
-    /// Whether these are several numbers side by side. A function of such has to be inlined: by itself it would be compiled
-    /// for the least of machines.
+    /// Whether this is several numbers side by side. A function of such numbers must be inlined: compiled on its own, it would
+    /// target the least capable machine.
     const WIDE: bool = false;
 
     /// Square root; of a negative number, NaN.
@@ -39,9 +39,9 @@ pub trait Real:
     fn abs(self) -> Self;
     /// `yes` where self > 0, else `no`.
     fn where_positive(self, yes: Self, no: Self) -> Self;
-    /// Whether self > 0, in any lane: to leave out what no lane needs.
+    /// Whether self > 0 in any lane: to skip what no lane needs.
     fn any_positive(self) -> bool;
-    /// Whether self is zero in all lanes and with all its derivatives: to leave out what it multiplies.
+    /// Whether self is zero in all lanes and all derivatives: to skip what it multiplies.
     fn is_zero(self) -> bool;
 
     /// The reciprocal, 1/self.
@@ -66,7 +66,7 @@ pub trait Real:
     }
 }
 
-/// `+=` and `-=` of a number type, by its sums and differences.
+/// `+=` and `-=` for a number type, from its `+` and `-`.
 #[macro_export]
 macro_rules! assign_operators {
     ($number:ty $(, $($generics:tt)+)?) => {
@@ -85,7 +85,7 @@ macro_rules! assign_operators {
     };
 }
 
-/// A struct of numbers in another number type; what stands behind the semicolon is no number.
+/// Conversion of a struct of numbers to another number type; the field after the semicolon is copied.
 macro_rules! lift {
     ($name:ident: $($number:ident),+ $(; $same:ident)?) => {
         impl<R: $crate::real::Real> $name<R> {
@@ -99,8 +99,8 @@ macro_rules! lift {
 }
 pub(crate) use lift;
 
-/// The reciprocal of each number for the price of one division, which is what an evaluation of the balances is made of
-/// (Montgomery's trick, Math. Comp. 48 (1987) 243).
+/// The reciprocal of each number with a single division; divisions dominate the cost of the balances (Montgomery's trick, Math.
+/// Comp. 48 (1987) 243).
 #[inline(always)]
 pub fn reciprocals<R: Real, const N: usize>(numbers: [R; N]) -> [R; N] {
     let mut products = numbers;
@@ -116,9 +116,9 @@ pub fn reciprocals<R: Real, const N: usize>(numbers: [R; N]) -> [R; N] {
     products
 }
 
-/// A [`Real`] with a single value to decide by (step sizes, branches of a host): not for lanes.
+/// A [`Real`] with a single value to base decisions on (step sizes, branches of a host): not for lanes.
 pub trait Scalar: Real {
-    /// How many derivatives it carries.
+    /// Number of derivatives.
     const DERIVATIVES: usize;
 
     /// The number without its derivatives.

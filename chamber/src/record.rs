@@ -1,7 +1,7 @@
-//! A chamber followed along what is imposed on it, and what its sensor shows meanwhile: what all recordings share.
+//! Integration of a chamber along its inputs and the sensor's readings on the way: shared by all recordings.
 //!
-//! A recording brings its [`Inputs`], has [`follow`] integrate along them, and takes the [`Readings`] that fall due
-//! while the steps pass by. Time in s, pressure in Pa.
+//! A recording supplies its [`Inputs`], calls [`follow`] to integrate along them, and takes the [`Readings`] that fall due during
+//! each step. Time in s, pressure in Pa.
 
 use crate::balance::Boundary;
 use crate::corner;
@@ -11,35 +11,35 @@ use crate::model::Chamber;
 use crate::real::Scalar;
 use std::cell::Cell;
 
-/// What is imposed on a chamber over time, in stretches that follow each other, each of them smooth.
+/// Inputs imposed on a chamber over time, in consecutive smooth stretches.
 pub trait Inputs<R> {
-    /// Where the first stretch begins, s.
+    /// Start of the first stretch, s.
     fn begin(&self) -> f64;
 
     /// Number of stretches, at least one.
     fn stretches(&self) -> usize;
 
-    /// Where a stretch ends, s; the last one never does.
+    /// End of a stretch, s; infinite for the last one.
     fn end(&self, stretch: usize) -> f64;
 
     /// The boundary at `time`, s, on a stretch.
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R>;
 
-    /// Changes the state as soon as a stretch has ended, if something happened until then that the balances do not know.
+    /// Changes the state at the end of a stretch, for events that the balances do not describe.
     fn behind<const N: usize>(&self, _stretch: usize, _state: &mut [R; N]) {}
 
-    /// The longest first step on a stretch and the longest one at all, s, whose stages pass over nothing that happens there.
+    /// Longest first step and longest step on a stretch, s, whose stages do not step over anything that happens there.
     fn longest_steps(&self, _stretch: usize) -> [f64; 2] {
         [f64::INFINITY; 2]
     }
 }
 
-/// The equations of a chamber that is followed.
+/// The equations of a chamber.
 pub trait Equations<R, const N: usize> {
-    /// The rates of its states at a time, s.
+    /// Rates of its states at a time, s.
     fn rates(&self, time: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
 
-    /// Numbers that change their sign where the rates have corners; none unless told otherwise.
+    /// Functions that change sign where the rates have corners; none by default.
     #[inline(always)]
     fn sides(&self, _: &Boundary<R>, _: &[R; N]) -> Option<[f64; effects::KINKS]> {
         None
@@ -72,7 +72,7 @@ impl<R: Scalar, const N: usize, I: Inputs<R>, E: Equations<R, N>> System<R, N> f
     }
 }
 
-/// The boundary at `time`, s, whose derivatives (those of a delay) move the position on.
+/// The boundary at `time`, s; derivatives in `time` (those of a delay) carry over to the position.
 #[inline]
 pub fn boundary_at<R: Scalar>(inputs: &impl Inputs<R>, stretch: usize, time: R) -> Boundary<R> {
     let mut boundary = inputs.boundary(stretch, time.value());
@@ -80,17 +80,17 @@ pub fn boundary_at<R: Scalar>(inputs: &impl Inputs<R>, stretch: usize, time: R) 
     boundary
 }
 
-/// The position, m, that a piston has at `time`, s, by the derivatives of which its velocity, m/s, moves it on.
+/// Position, m, with the derivatives it gets from those of `time`, s, through its velocity, m/s.
 #[inline]
 pub fn moved_on<R: Scalar>(position: R, velocity: R, time: R) -> R {
     position + (time - time.value()) * velocity
 }
 
-/// The steps of an integration along inputs, to be taken again: the error is then a smooth function of the chamber's numbers,
-/// as it is not where steps are chosen anew. H. G. Bock, in: Modelling of Chemical Reaction Systems, Springer (1981) 102.
+/// The steps of an integration along inputs, for reuse: the error is then a smooth function of the chamber's parameters, which it
+/// is not with adaptive steps. H. G. Bock, in: Modelling of Chemical Reaction Systems, Springer (1981) 102.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Ends of the steps as shares of the stretch they lie in; 1 ends a stretch.
+    /// Ends of the steps as fractions of their stretch; 1 ends a stretch.
     ends: Vec<f64>,
 }
 
@@ -105,11 +105,11 @@ impl Mesh {
     }
 }
 
-/// Integrates along the inputs until `last`, s, and hands each accepted step to `on_step` with its stretch and its end, s. The
-/// steps are those of `mesh` as far as it goes, cut where they err too much.
+/// Integrates along the inputs until `last`, s, and passes each accepted step to `on_step` with its stretch and its end, s. Uses
+/// the steps of `mesh` as far as they extend, and cuts those whose error is too large. Returns the steps taken.
 ///
 /// # Errors
-/// Where the state leaves what the equations can follow.
+/// If the state leaves the range of the equations.
 #[inline]
 pub fn follow<R: Scalar, const N: usize>(
     inputs: &impl Inputs<R>,
@@ -147,13 +147,13 @@ pub fn follow<R: Scalar, const N: usize>(
     Ok(taken)
 }
 
-/// A moment just behind `until`, s: what rounding puts there is still due.
+/// A moment just after `until`, s, so that rounding does not delay what is due then.
 #[inline]
 pub fn reach(until: f64) -> f64 {
     until + 1e-12 * until.abs()
 }
 
-/// The sensor's readings for the rows of a record: each shows the gas of a delay earlier, but not of before the start.
+/// The sensor's readings for the rows of a record: each shows the gas one delay earlier, but not before the start.
 #[derive(Clone, Debug)]
 pub struct Readings<'a, R> {
     effects: &'a EffectValues<R>,
@@ -165,33 +165,33 @@ pub struct Readings<'a, R> {
 }
 
 impl<'a, R: Scalar> Readings<'a, R> {
-    /// None yet of those at `times` (ascending, s) of a record that begins at `begin`, s.
+    /// Readings at `times` (ascending, s) of a record that begins at `begin`, s, none taken yet.
     pub fn new(chamber: &'a Chamber<R>, set: EffectSet, times: &'a [f64], begin: f64) -> Self {
         let delay = chamber.effects.delay(set);
         Self { effects: &chamber.effects, set, times, begin, delay, taken: Vec::with_capacity(times.len()) }
     }
 
-    /// Readings of a pressure whose stroke was recorded late by `lead`, s: along that record the gas is ahead.
+    /// For a stroke recorded late by `lead`, s: relative to that record the gas is ahead.
     pub fn ahead(mut self, lead: R) -> Self {
         self.delay -= lead;
         self
     }
 
-    /// The moment, s, whose gas the next reading shows.
+    /// Moment, s, of the gas state shown by the next reading.
     #[inline]
     pub fn next(&self) -> Option<R> {
         let time = *self.times.get(self.taken.len())?;
         Some((R::from(time) - self.delay).max(R::from(self.begin)))
     }
 
-    /// Whether a reading shows the gas of no later than `reach`, s.
+    /// Whether a reading shows the gas at or before `reach`, s.
     #[inline]
     pub fn is_due(&self, reach: f64) -> bool {
         self.next().is_some_and(|shown| shown.value() <= reach)
     }
 
-    /// Takes every reading that shows the gas of no later than `reach`, s; `gas` gives its pressure at a moment, Pa, and
-    /// the effects' own states.
+    /// Takes every reading that shows the gas at or before `reach`, s; `gas` returns its pressure, Pa, at a moment, and the
+    /// effects' own states.
     #[inline]
     pub fn take(&mut self, reach: f64, mut gas: impl FnMut(R) -> (R, [R; OWN_STATES])) {
         while let Some(shown) = self.next().filter(|shown| shown.value() <= reach) {
@@ -201,13 +201,13 @@ impl<'a, R: Scalar> Readings<'a, R> {
         }
     }
 
-    /// Those taken so far, Pa.
+    /// Readings taken so far, Pa.
     #[inline]
     pub fn taken(&self) -> &[R] {
         &self.taken
     }
 
-    /// The same, for good.
+    /// Readings taken so far, Pa, by value.
     pub fn into_taken(self) -> Vec<R> {
         self.taken
     }
@@ -224,7 +224,7 @@ mod tests {
 
     const PRESSURE_PA: f64 = 2e5;
 
-    /// Energy of the gas after pushes, holds and pulls with that λ0, by the steps of a mesh, and the steps taken.
+    /// Energy of the gas after pushes, holds and pulls with a given λ0, with the steps of a mesh, and the steps taken.
     fn energy(coefficient: f64, relative: f64, mesh: &Mesh) -> (f64, Mesh) {
         let mut chamber = section_31(AreaLaw::Total);
         chamber.heat_transfer.coefficient = coefficient;

@@ -1,4 +1,4 @@
-//! Steps 2 to 7 of the paper's thermal time constant method, equations (21) to (31), on what step 1 found.
+//! Steps 2 to 7 of the paper's thermal time constant method, equations (21) to (31), from the result of step 1.
 //!
 //! ```text
 //! 1  P = Pf + ΔP e^(−t/τ) from the peak on                          Pa, Pa, s
@@ -10,17 +10,17 @@
 //! 7  λ0 = λ_av √(P0 T0/(Pav Tav)),  k0 = λ0 Aq                      W/(m² K), W/K
 //! ```
 //!
-//! For `f64`, and for dual numbers that carry intervals through.
+//! For `f64`, and for dual numbers that propagate intervals.
 
 use crate::real::Real;
 use crate::{AreaLaw, Gas, Geometry, paper};
 
-/// What is known of cylinder, gas and surroundings. SI units.
+/// Known data of cylinder, gas and surroundings. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     /// Gas constant and heat capacities of the gas.
     pub gas: Gas,
-    /// The chamber. Its dead volume does not count, as step 2 finds it; the published steps use (27), [`AreaLaw::Total`].
+    /// The chamber. Its dead volume is ignored, as step 2 determines it; the published steps use (27), [`AreaLaw::Total`].
     pub geometry: Geometry,
     /// Temperature of wall and surroundings, K.
     pub ambient_temperature_k: f64,
@@ -31,7 +31,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Air in a cap-side chamber of that bore, m, with the paper's reference state and area law (27).
+    /// Air in a cap-side chamber of a bore, m, with the paper's reference state and area law (27).
     pub fn air(bore_m: f64, ambient_temperature_k: f64) -> Self {
         Self {
             gas: Gas::AIR,
@@ -42,20 +42,20 @@ impl Setup {
         }
     }
 
-    /// Aq, m², of the gas's volume and the dead volume, m³.
+    /// Aq, m², for a gas volume and a dead volume, m³.
     #[inline(always)]
     pub fn area<R: Real>(&self, volume_m3: R, dead_volume_m3: R) -> R {
         Geometry { dead_volume: dead_volume_m3, ..self.geometry.lift() }.heat_transfer_area(volume_m3)
     }
 
-    /// λ0/λ at pressure, Pa, and temperature, K: equation (5) turned round.
+    /// λ0/λ at pressure, Pa, and temperature, K: equation (5) inverted.
     #[inline(always)]
     pub fn reference_factor<R: Real>(&self, pressure_pa: R, temperature_k: R) -> R {
         (R::from(self.reference_pressure_pa * self.reference_temperature_k) / (pressure_pa * temperature_k)).sqrt()
     }
 }
 
-/// Begin and end of the push.
+/// State before the push, and position after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push<R = f64> {
     /// Pressure before it, Pa, at ambient temperature.
@@ -106,7 +106,7 @@ pub struct Steps<R = f64> {
     pub conductance_0_w_per_k: R,
 }
 
-/// Share of the pressure rise that remains at the settling time.
+/// Fraction of the pressure rise left at the settling time.
 const SETTLED_SHARE: f64 = 0.01;
 
 /// Step 2: mass, dead volume and final volume from two states at ambient temperature.
@@ -120,7 +120,7 @@ pub fn mass_and_volumes<R: Real>(setup: &Setup, ambient_k: R, push: &Push<R>, fi
     [mass, dead, dead + swept[1]]
 }
 
-/// Steps 2 to 7 in any number type; `ambient_k` stands for the setup's ambient temperature.
+/// Steps 2 to 7 in any number type; `ambient_k` replaces the setup's ambient temperature.
 #[inline(always)]
 pub fn steps<R: Real>(setup: &Setup, ambient_k: R, push: &Push<R>, regression: &Regression<R>) -> Steps<R> {
     let Regression { final_pressure_pa: pf, pressure_rise_pa: rise, time_constant_s: tau } = *regression;

@@ -1,4 +1,4 @@
-//! What a record or a plan imposes on the chamber, piecewise linear in time.
+//! Piecewise linear inputs of a chamber, from a record or a plan.
 
 use crate::balance::Boundary;
 use crate::effects::{EffectSet, EffectValues};
@@ -20,7 +20,7 @@ pub struct Knot {
     pub ambient_temperature: f64,
 }
 
-/// Knots nearer to each other than this share of the whole duration are one.
+/// Knots closer together than this fraction of the whole duration are merged.
 const SMALLEST_STRETCH: f64 = 1e-12;
 
 /// Inputs over time: at least one knot, times strictly increasing.
@@ -39,8 +39,8 @@ impl Signals {
         Self { knots: motion.iter().map(knot).collect(), ambient_pressure }
     }
 
-    /// The same with the true stroke in the place of the recorded one, as the effects in `set` tell them apart: piecewise
-    /// linear too, with further knots. Before and after the record the recorded stroke is taken to rest.
+    /// These signals with the true stroke in place of the recorded one, as the effects in `set` relate them: still piecewise
+    /// linear, with further knots. The recorded stroke is assumed at rest before and after the record.
     pub fn with_true_stroke(self, set: EffectSet, values: &EffectValues) -> Self {
         let delay = values.stroke_delay(set);
         let window = values.stroke_window(set);
@@ -68,15 +68,15 @@ impl Signals {
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
     }
 
-    /// Where the stroke bends as far as an average over `window`, s, can show it, each from a time to the same one, s; it does so at an
-    /// end where it moves.
+    /// Times, s, at which the stroke bends enough for an average over `window`, s, to show it, each as an interval of zero
+    /// length; an end of the record counts if the stroke moves there.
     fn bends(&self, window: f64) -> impl Iterator<Item = [f64; 2]> {
-        /// Of the stroke's extent: what rounding bends a line by within a window.
+        /// Fraction of the stroke's extent: rounding bends a line by this much within a window.
         const ROUNDING: f64 = 1e-6;
         let [low, high] = self.knots.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], knot| {
             [low.min(knot.position), high.max(knot.position)]
         });
-        // It rests before its first knot and behind its last.
+        // It rests before its first knot and after its last.
         let slope = |k: usize| match (k.checked_sub(1).and_then(|k| self.knots.get(k)), self.knots.get(k)) {
             (Some(from), Some(to)) => (to.position - from.position) / (to.time - from.time),
             _ => 0.0,
@@ -85,7 +85,7 @@ impl Signals {
         (0..self.knots.len()).filter(bent).map(|k| [self.knots[k].time; 2])
     }
 
-    /// Slope of the position at each knot, m/s: the mean of those before and behind it, which are zero outside the record.
+    /// Slope of the position at each knot, m/s: the mean of those before and after it, which are zero outside the record.
     fn slopes(&self) -> Vec<f64> {
         let of = |k: &[Knot]| (k[1].position - k[0].position) / (k[1].time - k[0].time);
         let chords = || self.knots.windows(2).map(of);
@@ -96,7 +96,7 @@ impl Signals {
             .collect()
     }
 
-    /// All inputs at a time, s; before the first knot and behind the last as they are there.
+    /// All inputs at a time, s; constant before the first knot and after the last.
     pub fn knot(&self, time: f64) -> Knot {
         let next = self.knots.partition_point(|knot| knot.time <= time);
         let (Some(from), Some(to)) = (next.checked_sub(1).map(|k| &self.knots[k]), self.knots.get(next)) else {
@@ -136,7 +136,7 @@ impl<R: Real> Inputs<R> for Signals {
         self.knots.get(stretch + 1).map_or(f64::INFINITY, |knot| knot.time)
     }
 
-    /// Within the stretch that begins at the knot of that number; behind the last knot all stays as it is there.
+    /// The boundary within the stretch that begins at this knot; constant after the last knot.
     #[inline]
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R> {
         let from = &self.knots[stretch];

@@ -1,4 +1,4 @@
-//! A chamber along given inputs, sampled where a record has its rows, as the gas is and as the sensor shows it.
+//! Simulates a chamber along given inputs and samples it at the rows of a record: the gas, and what the sensor shows.
 
 use crate::balance::{self, Balances, Boundary, Conditions, ENERGY, FEW_STATES, MASS, OWN, Rates, STATES};
 use crate::effects::{self, EffectSet};
@@ -27,7 +27,7 @@ pub struct Sample<R = f64> {
 }
 
 impl<R: Copy> Sample<R> {
-    /// The chamber in these conditions, with the sensor showing `measured_pressure`.
+    /// The chamber under these conditions, with the sensor showing `measured_pressure`.
     #[inline]
     pub fn new(time: f64, measured_pressure: R, at: &Conditions<R>, rates: &Rates<R>) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl<R: Copy> Sample<R> {
     }
 }
 
-/// How a simulation begins: in equilibrium at this pressure and temperature.
+/// Start of a simulation: equilibrium at this pressure and temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start<R = f64> {
     /// Gas pressure, Pa.
@@ -52,7 +52,7 @@ pub struct Start<R = f64> {
 }
 
 impl<R: Real> Start<R> {
-    /// Gas and wall at rest in surroundings of `ambient_temperature`, K, at that pressure, Pa.
+    /// Gas and wall at rest in surroundings at `ambient_temperature`, K, at a pressure, Pa.
     pub fn at_rest(chamber: &Chamber<R>, pressure: R, ambient_temperature: R) -> Self {
         Self { pressure, temperature: chamber.effects.rest_temperature(ambient_temperature) }
     }
@@ -61,8 +61,8 @@ impl<R: Real> Start<R> {
 /// Default relative tolerance of a simulation: far below a sensor's noise.
 pub const RELATIVE_TOLERANCE: f64 = 1e-9;
 
-/// Absolute tolerances that go with a relative one: that share of the nominal size of each state of the effects, which may
-/// pass through zero, and next to nothing of mass and energy, which do not.
+/// Absolute tolerances for a relative one: that fraction of the nominal size of each own state, which may pass through zero, and
+/// almost nothing for mass and energy, which do not.
 pub fn tolerance<R: Scalar, const N: usize>(relative: f64, initial: &[R; N]) -> Tolerance<N> {
     let mut absolute = [0.0; N];
     absolute[MASS] = 1e-3 * relative * initial[MASS].value();
@@ -73,14 +73,13 @@ pub fn tolerance<R: Scalar, const N: usize>(relative: f64, initial: &[R; N]) -> 
     Tolerance { relative, absolute }
 }
 
-/// Simulates from the start of the inputs on; one sample for each of `times` (ascending, s, not before the start).
+/// Simulates from the start of the inputs and returns a sample at each of `times` (ascending, s, not before the start).
 ///
-/// Ends of stretches are breakpoints of the integration; samples in between come from its dense output. With a
-/// `record_delay` the measured pressure of a sample is that of the earlier moment; before the start the chamber is at
-/// rest.
+/// Ends of stretches are breakpoints of the integration; samples in between come from its dense output. With a `record_delay` the
+/// measured pressure of a sample belongs to the earlier moment; before the start the chamber is at rest.
 ///
 /// # Errors
-/// [`IntegrationError`] where the state leaves what the equations can follow (an emptied chamber, a volume not positive).
+/// [`IntegrationError`] if the state leaves the range of the equations (an emptied chamber, a volume not positive).
 pub fn simulate<R: Scalar>(
     chamber: &Chamber<R>,
     set: EffectSet,
@@ -96,7 +95,7 @@ pub fn simulate<R: Scalar>(
     }
 }
 
-/// [`simulate`] in the first `N` states.
+/// [`simulate`] with the first `N` states.
 fn in_states<R: Scalar, const N: usize>(
     chamber: &Chamber<R>,
     set: EffectSet,
@@ -148,7 +147,7 @@ impl<R: Scalar, const N: usize> Equations<R, N> for WithEffects<'_, R> {
     }
 }
 
-/// Fills samples while the integration passes by: the gas at each row's time, beside the sensor's reading.
+/// Fills samples during the integration: the gas at each row's time, and the sensor's reading.
 struct Recorder<'a, R, I> {
     balance: &'a Balances<R>,
     set: EffectSet,
@@ -159,8 +158,7 @@ struct Recorder<'a, R, I> {
 }
 
 impl<R: Scalar, I: Inputs<R>> Recorder<'_, R, I> {
-    /// Takes every sample and reading due until `until`, s, on a stretch, where `states` makes the function that gives
-    /// the states.
+    /// Takes every sample and reading due until `until`, s, on a stretch; `states` makes the function that returns the states.
     #[inline]
     fn record<const N: usize, F: Fn(R) -> [R; N]>(&mut self, stretch: usize, until: f64, states: impl Fn() -> F) {
         let reach = record::reach(until);

@@ -3,11 +3,11 @@
 //! Source: J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; dense output of E. Hairer, S. P. Nørsett and G. Wanner,
 //! Solving Ordinary Differential Equations I (1993), section II.6.
 
-/// Number of stages, the first of the next step included.
+/// Number of stages, including the first of the next step.
 pub const STAGES: usize = 7;
-/// Where the stages lie in a step.
+/// Nodes of the stages.
 pub const C: [f64; STAGES] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
-/// Weights of the slopes before it in each stage; the last one ends the step.
+/// Weights of the preceding slopes in each stage; the last stage is the end of the step.
 pub const A: [[f64; STAGES - 1]; STAGES] = [
     [0.0; 6],
     [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],

@@ -1,47 +1,49 @@
-//! The stroke behind its moving average: least squares over cubic splines, kept smooth.
+//! Recovers the stroke from its moving average: regularised least squares over cubic splines.
 //!
-//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2. Sought is the cubic spline x with knots w/8 to w/4 apart that minimises
-//! ∫ (average of x − x_rec)² + ε w⁶ (d³x/dt³)² dt (Tikhonov, 1963). An average says nothing of a wave that lasts just w;
-//! of the strokes that fit the record, the one with the smallest third derivative is taken. Beside a motion the stroke is the
-//! record, as an average changes no straight line. A parabola is found exactly. Positions in m, times in s.
+//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2. The solution is the cubic spline x with knots w/8 to w/4 apart that
+//! minimises ∫ (average of x − x_rec)² + ε w⁶ (d³x/dt³)² dt (Tikhonov, 1963). An average does not see a wave of period w; of the
+//! strokes that fit the record, the one with the smallest third derivative is chosen. Outside a motion the stroke equals the
+//! record, as averaging leaves straight lines unchanged. A parabola is recovered exactly. Positions in m, times in s.
 //!
-//! The knots are at multiples of a power of two and do not move with the window, or the stroke would not change evenly with it.
+//! The knots are at multiples of a power of two and do not move with the window; otherwise the stroke would not vary smoothly
+//! with it.
 
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Fewest steps of the spline in a window; there are less than twice as many.
+/// Minimum spline steps per window; there are fewer than twice as many.
 const FEWEST_STEPS: f64 = 4.0;
-/// Weight ε of the third derivative: no wave of the record becomes more than four times as large, since real filters are no exact
+/// Weight ε of the third derivative: no wave of the record is amplified more than fourfold, since real filters are not exact
 /// averages.
 const SMOOTHNESS: f64 = 7e-7;
-/// Steps from a knot to the farthest one in whose average it has a part: half of the longest window and the spline's two.
+/// Steps from a knot to the farthest one whose average it affects: half of the longest window plus the spline's two.
 const REACH: usize = 5;
-/// Steps from a knot to the farthest one that it has an equation with.
+/// Steps from a knot to the farthest one it shares an equation with.
 const BAND: usize = 2 * REACH;
-/// Windows by which the spline goes beyond the recorded motion, of which the stroke's own ends half a window before: where it
-/// begins is known to a few rows only.
+/// Windows by which the spline extends beyond the recorded motion; the stroke's motion ends half a window inside the recorded
+/// one, and its start is known only to a few rows.
 const BESIDE: f64 = 0.25;
-/// Windows of rest between two motions that make two splines: what is known of a rest must be known without the other motion.
+/// Windows of rest between two motions above which they get separate splines: the known coefficients at a rest must not depend on
+/// the other motion.
 const APART: f64 = BESIDE + (BAND + 2) as f64 / FEWEST_STEPS;
-/// Motions of more windows than this have nothing to gain.
+/// Motions of more windows than this gain nothing.
 const MOST_WINDOWS: f64 = 5e4;
-/// Averages that tell a parabola.
+/// Number of averages that determine a parabola.
 const FEWEST_COMPARED: usize = 3;
-/// Share of the window by which it is widened for derivatives by it.
+/// Fraction by which the window is widened for derivatives with respect to it.
 const WIDER: f64 = 1e-5;
 
-/// The stroke around a motion.
+/// The recovered stroke around one motion.
 pub struct Unaveraged {
-    /// Time from knot to knot, s: a power of two.
+    /// Time between knots, s: a power of two.
     step: f64,
-    /// Its reciprocal, exact as well.
+    /// Its reciprocal, also exact.
     per_step: f64,
     /// Steps from time zero to the first coefficient's knot.
     first: f64,
-    /// First and last time at which the spline stands for the stroke, s.
+    /// First and last time at which the spline replaces the record, s.
     extent: [f64; 2],
-    /// Coefficients of the spline, m, and their derivatives by the window, m/s, zero where not wanted.
+    /// Coefficients of the spline, m, and their derivatives with respect to the window, m/s, zero if not requested.
     coefficients: Vec<[f64; 2]>,
 }
 
@@ -50,14 +52,14 @@ pub struct Unaveraged {
 pub struct At {
     /// Position, m, velocity, m/s, acceleration, m/s².
     pub derivatives: [f64; 3],
-    /// Derivatives of position and velocity by the window, zero where not wanted.
+    /// Derivatives of position and velocity with respect to the window, zero if not requested.
     pub by_window: [f64; 2],
 }
 
-/// The strokes around motions, each from one time to another, s, and in time order, of a record between two ends, s, that averages
-/// over `window`, s. Motions that are near enough for one stroke are one. Beside them the record is at rest, or moves evenly. There
-/// is none where the window is too short to matter, or too long for a record that moves from one end to the other to tell the stroke
-/// from it. The derivatives by the window cost as much again as the strokes.
+/// The strokes around motions, in time order, of a record between two ends, s, averaged over `window`, s. `motions` holds the
+/// start and end of each motion, s, in time order; motions close together share one stroke. Between motions the record rests or
+/// moves uniformly. No stroke is returned where the window is too short to matter, or too long to separate stroke and record in a
+/// record that moves from end to end. The derivatives with respect to the window double the cost.
 pub fn around(
     recorded: impl Fn(f64) -> f64,
     window: f64,
@@ -75,8 +77,8 @@ pub fn around(
     joined.into_iter().filter_map(|motion| Unaveraged::new(&recorded, window, ends, motion, with_derivatives)).collect()
 }
 
-/// The one of these, in time order, that stands for the stroke at a time, s, if any does; `near` is the place that was asked last, which
-/// is looked at first.
+/// The one of these strokes, in time order, whose extent contains a time, s, if any; `near` is the index of the last call, tried
+/// first.
 #[inline(always)]
 pub fn standing_at<'a>(strokes: &'a [Unaveraged], near: &Cell<usize>, time: f64) -> Option<&'a Unaveraged> {
     let ends_behind = |place: usize| strokes.get(place).is_none_or(|stroke| time <= stroke.extent[1]);
@@ -102,7 +104,7 @@ impl Unaveraged {
         }
         let step = (window / FEWEST_STEPS).log2().floor().exp2();
         let rests = [from > ends[0], to < ends[1]];
-        // At a rest some knots more, and those known; at an end of the record those that have a part in its last average.
+        // At a rest, some further knots with known coefficients; at an end of the record, those that affect its last average.
         let first = match rests[0] {
             true => ((from - BESIDE * window) / step).floor() - BAND as f64,
             false => (from / step).ceil() - REACH as f64,
@@ -123,13 +125,13 @@ impl Unaveraged {
             let wider = of_window(window * (1.0 + WIDER));
             coefficients.iter_mut().zip(wider).for_each(|(c, wider)| c[1] = (wider - c[0]) / (WIDER * window));
         }
-        // A knot has a part in the spline up to two steps away.
+        // A knot affects the spline up to two steps away.
         let known = [BAND as f64 - 2.0, (last - first) - BAND as f64 + 2.0].map(time);
         let extent = [0, 1].map(|k| if rests[k] { known[k] } else { motion[k] });
         Some(Self { step, per_step: step.recip(), first, extent, coefficients })
     }
 
-    /// First and last time at which it stands for the stroke, s.
+    /// First and last time at which it replaces the record, s.
     #[inline]
     pub fn extent(&self) -> [f64; 2] {
         self.extent
@@ -167,28 +169,28 @@ impl Unaveraged {
     }
 }
 
-/// The least squares in steps of the spline.
+/// The least-squares problem, in units of the spline's steps.
 struct SplineSystem {
-    /// Knots, known ones at a rest included.
+    /// Number of knots, including known ones at a rest.
     knots: usize,
-    /// Whether the record rests before and behind the motion.
+    /// Whether the record rests before and after the motion.
     rests: [bool; 2],
 }
 
 impl SplineSystem {
-    /// Knots whose coefficients are sought.
+    /// Knots with unknown coefficients.
     fn unknown(&self) -> Range<usize> {
         let [before, behind] = self.rests.map(|rests| if rests { BAND } else { 0 });
         before..self.knots - behind
     }
 
-    /// Knots where the average is compared with the record.
+    /// Knots at which the average is compared with the record.
     fn compared(&self) -> Range<usize> {
-        // At a rest up to where no unknown one has a part in it; else as far as the record goes.
+        // At a rest, up to where no unknown coefficient affects it; else to the end of the record.
         REACH..self.knots.saturating_sub(REACH)
     }
 
-    /// Coefficients of the spline for a record at its knots and one more to either side, averages of so many steps.
+    /// Coefficients of the spline for a record at its knots and one more on each side, averaged over this many steps.
     fn solve(&self, record: &[f64], steps: f64) -> Vec<f64> {
         let weights = Weights::new(steps);
         let (unknown, compared) = (self.unknown(), self.compared());
@@ -197,15 +199,15 @@ impl SplineSystem {
             let is_inner = i >= 2 * BAND && i + BAND < self.knots;
             if is_inner { inner[d] } else { weights.product(i, d, compared.clone(), self.knots) }
         };
-        // Where the record is a line, or nearly, the spline is beside a coefficient by a sixth of its second difference, and the
-        // average by steps²/24 of it more.
+        // Where the record is nearly a line, the spline differs from a coefficient by a sixth of its second difference, and the
+        // average by a further steps²/24 of it.
         let beside = 1.0 / 6.0 + steps * steps / 24.0;
         let mut c: Vec<f64> = record.windows(3).map(|x| x[1] - beside * (x[0] - 2.0 * x[1] + x[2])).collect();
-        // Rows of the Cholesky factor, each from its diagonal, of which it has the reciprocal, to the left.
+        // Rows of the Cholesky factor, each from the reciprocal of its diagonal to the left.
         let mut factor: Vec<[f64; BAND + 1]> = Vec::with_capacity(unknown.len());
         for i in unknown.clone() {
             let n = i - unknown.start;
-            // Far from the ends the equations repeat themselves, and soon the rows of the factor do.
+            // Far from the ends the equations repeat, and soon the rows of the factor do.
             let row = match factor.as_slice() {
                 [.., before, last] if n > 2 * BAND && i + BAND < self.knots && is_same(before, last) => *last,
                 _ => row_of_factor(&factor, core::array::from_fn(|d| if d <= n { entry(i, d) } else { 0.0 })),
@@ -214,7 +216,7 @@ impl SplineSystem {
             let compared: f64 = samples.map(|j| weights.average[j.abs_diff(i)] * record[j + 1]).sum();
             let known_before: f64 = (i - BAND.min(i)..unknown.start).map(|k| entry(i, i - k) * c[k]).sum();
             let known_behind: f64 = (unknown.end..self.knots.min(i + BAND + 1)).map(|k| entry(k, k - i) * c[k]).sum();
-            // The coefficient found last is the last to be added: what does not wait for it is done meanwhile.
+            // The coefficient found last is added last, so that the other additions need not wait for it.
             let found: f64 = (1..=BAND.min(n)).rev().map(|d| row[d] * c[i - d]).sum();
             c[i] = (compared - known_before - known_behind - found) * row[0];
             factor.push(row);
@@ -228,19 +230,19 @@ impl SplineSystem {
     }
 }
 
-/// Whether two rows of the factor are the same but for rounding.
+/// Whether two rows of the factor agree to rounding.
 fn is_same(one: &[f64; BAND + 1], other: &[f64; BAND + 1]) -> bool {
     const ROUNDING: f64 = 1e-15;
     let size = one[0].max(one[0].recip());
     one.iter().zip(other).all(|(a, b)| (a - b).abs() <= ROUNDING * size)
 }
 
-/// The row of the Cholesky factor behind these, from its diagonal's reciprocal to the left, for a row of the matrix.
+/// Next row of the Cholesky factor, from its diagonal's reciprocal to the left, for a row of the matrix.
 fn row_of_factor(factor: &[[f64; BAND + 1]], matrix: [f64; BAND + 1]) -> [f64; BAND + 1] {
     let n = factor.len();
     let mut row = [0.0; BAND + 1];
     for d in (1..=BAND.min(n)).rev() {
-        // Both rows reach as far to the left as this one does.
+        // Both rows extend as far to the left as this one.
         let other = &factor[n - d];
         let products: f64 = (d + 1..=BAND.min(n)).map(|e| row[e] * other[e - d]).sum();
         row[d] = (matrix[d] - products) * other[0];
@@ -249,22 +251,22 @@ fn row_of_factor(factor: &[[f64; BAND + 1]], matrix: [f64; BAND + 1]) -> [f64; B
     row
 }
 
-/// What the knots have to do with each other.
+/// Couplings between the knots.
 struct Weights {
-    /// What a knot so many steps away has of an average.
+    /// Weight in an average of a knot this many steps away.
     average: [f64; REACH + 1],
-    /// Weight of the square of a third difference.
+    /// Weight of a squared third difference.
     smoothness: f64,
 }
 
 impl Weights {
-    /// Where a window has so many steps.
+    /// For a window of this many steps.
     fn new(steps: f64) -> Self {
         let of_knot = |d: f64| (integral(d + 0.5 * steps) - integral(d - 0.5 * steps)) / steps;
         Self { average: core::array::from_fn(|d| of_knot(d as f64)), smoothness: SMOOTHNESS * steps.powi(6) }
     }
 
-    /// Entry of the normal equations for knot `i` and the one `d` before it.
+    /// Entry of the normal equations for knot `i` and knot `i` − `d`.
     fn product(&self, i: usize, d: usize, compared: Range<usize>, knots: usize) -> f64 {
         const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
         let samples = compared.start.max(i - REACH.min(i))..compared.end.min(i - d + REACH + 1);
@@ -274,7 +276,7 @@ impl Weights {
     }
 }
 
-/// Integral of the cubic B-spline up to so many steps from its middle.
+/// Integral of the cubic B-spline up to this many steps from its centre.
 fn integral(to: f64) -> f64 {
     let u = to.abs().min(2.0);
     let from_middle =
@@ -288,7 +290,7 @@ mod tests {
 
     const WINDOW: f64 = 0.3;
 
-    /// Average of a function over the window around a time: Gauss's rule, exact for polynomials of degree five.
+    /// Average of a function over the window around a time: Gauss quadrature, exact for polynomials of degree five.
     fn average(x: impl Fn(f64) -> f64, time: f64) -> f64 {
         let at = |place: f64| x(time + 0.5 * WINDOW * place);
         (5.0 * at(-0.6f64.sqrt()) + 8.0 * at(0.0) + 5.0 * at(0.6f64.sqrt())) / 18.0
@@ -336,10 +338,10 @@ mod tests {
         }
     }
 
-    /// A push of one metre in a second that gains its speed in so many seconds, and its average.
+    /// A push of one metre in a second that accelerates for this many seconds, and its average.
     fn push(gains_speed: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -> f64) {
         let speed = 1.0 / (1.0 - gains_speed);
-        // The integral of the ramp, and that of this one, from both ends alike.
+        // Integrals of the speed ramp, and of the push, symmetric at both ends.
         let ramp = move |t: f64, power: i32| t.max(0.0).powi(power) * speed / gains_speed;
         let all = move |t: f64, power: i32, by: f64| {
             (ramp(t, power) - ramp(t - gains_speed, power) - ramp(t - 1.0 + gains_speed, power) + ramp(t - 1.0, power))
@@ -353,7 +355,7 @@ mod tests {
     fn a_push_that_gains_its_speed_within_the_window_is_found_again() {
         for (gains_speed, share) in [(0.5, 0.13), (0.25, 0.11), (0.1, 0.29)] {
             let (x, averaged) = push(gains_speed);
-            // The motion shows where it begins, and when it is no longer lost in noise.
+            // The detected motion starts either exactly or only once it exceeds noise.
             for hidden in [0.0, 0.05] {
                 let found =
                     Unaveraged::new(&averaged, WINDOW, [-2.0, 3.0], [hidden - 0.15, 1.15 - hidden], true).unwrap();

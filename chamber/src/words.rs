@@ -1,6 +1,6 @@
-//! Names in sentences: every output names effects.
+//! Lists of names in sentences, as every output names effects.
 
-/// Names as a sentence lists them: `a`, `a and b`, `a, b and c`.
+/// Joins names as a sentence does: `a`, `a and b`, `a, b and c`.
 pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
     let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     match names.as_slice() {

@@ -1,5 +1,5 @@
-//! Laws that the balances obey whatever the state, the flows and the effects: conservation, the paper's own form of the
-//! equations, and effects that change nothing at their neutral values.
+//! Laws that the balances obey for any state, flows and effects: conservation, the paper's own form of the equations, and no
+//! change by effects at their neutral values.
 
 #[path = "common/any.rs"]
 mod any;
@@ -106,15 +106,15 @@ proptest! {
     }
 }
 
-/// States of a chamber a second apart, over which the boundary is held but for the position that moves with its velocity.
+/// States of a chamber one second apart, with a constant boundary except for the position, which moves at its velocity.
 struct Second {
     initial: [f64; STATES],
     end: [f64; STATES],
-    /// The gas then.
+    /// Conditions of the gas at the end.
     at: Conditions<f64>,
 }
 
-/// From that pressure, Pa, and temperature, K, on.
+/// Starts at a pressure, Pa, and temperature, K.
 fn a_second(chamber: &Chamber, boundary: &Boundary, pressure: f64, temperature: f64) -> Second {
     let initial = balance::state_at(chamber, boundary, pressure, temperature);
     let mut run = Integrator::new(0.0, initial, chamber::simulate::tolerance(1e-11, &initial));
@@ -215,7 +215,7 @@ fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_c
     assert!(leaking.iter().all(|rate| rate.is_finite()), "{leaking:?}");
 }
 
-/// Without heat transfer.
+/// The same chamber without heat transfer.
 fn adiabatic(chamber: Chamber) -> Chamber {
     Chamber { heat_transfer: HeatTransfer { coefficient: 0.0, ..chamber.heat_transfer }, ..chamber }
 }

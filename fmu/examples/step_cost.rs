@@ -1,7 +1,7 @@
-//! What `fmi2DoStep` costs at steps of 1 ms, called as C calls it, and whether memory stays flat.
+//! Measures the cost of `fmi2DoStep` at steps of 1 ms, called as from C, and whether memory stays constant.
 //!
-//! `cargo run --profile fmu -p pneutherm-fmu --example step_cost [MILLIONS]`: a table in Markdown on standard output. The
-//! profile is the library's; `--release` leaves out its optimisation as a whole.
+//! `cargo run --profile fmu -p pneutherm-fmu --example step_cost [MILLIONS]`: prints a Markdown table. The profile is the
+//! library's; `--release` lacks its whole-program optimisation.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -38,7 +38,7 @@ fn started(values: &[(&str, f64)]) -> *mut c_void {
     }
 }
 
-/// Seconds of one step, the mean over `steps`; `set` is called before each and not counted apart.
+/// Seconds per step, the mean over `steps`; includes the call of `before` ahead of each.
 fn seconds(c: *mut c_void, steps: u64, mut before: impl FnMut(u64)) -> f64 {
     let begin = Instant::now();
     for k in 0..steps {
@@ -48,7 +48,7 @@ fn seconds(c: *mut c_void, steps: u64, mut before: impl FnMut(u64)) -> f64 {
     begin.elapsed().as_secs_f64() / steps as f64
 }
 
-/// Resident memory of the process, MB, where Linux tells it.
+/// Resident memory of the process, MB; `None` if not on Linux.
 fn resident_mb() -> Option<f64> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?;
     Some(pages.split(' ').nth(1)?.parse::<f64>().ok()? * 4096.0 / 1e6)

@@ -1,5 +1,5 @@
-//! `modelDescription.xml` as far as both versions of FMI say the same, rendered from the one table of variables. What each
-//! says in its own words is its [`Dialect`]. The guid, in FMI 3.0 the instantiation token, is a hash of everything else.
+//! The parts of `modelDescription.xml` common to both FMI versions, rendered from the one table of variables. A [`Dialect`]
+//! provides what differs. The guid, in FMI 3.0 the instantiation token, is a hash of everything else.
 
 use crate::identity::Identity;
 use crate::plant::leader::EXPERIMENT_S;
@@ -15,44 +15,44 @@ use crate::table::{STEP_S, settable, table};
 use crate::xml::{line, number};
 use sha2::{Digest, Sha256};
 
-/// Attributes of a tag, in their order.
+/// Attributes of a tag, in order.
 pub type Attributes = Vec<(&'static str, String)>;
 
 /// A description and its guid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
-    /// `modelDescription.xml`, whole.
+    /// The complete `modelDescription.xml`.
     pub xml: String,
-    /// Hash of all the rest of it, in braces: the guid, or the instantiation token of FMI 3.0.
+    /// Hash of the rest, in braces: the guid, or the instantiation token of FMI 3.0.
     pub guid: String,
 }
 
-/// What a version of FMI says in its own words.
+/// What differs between FMI versions.
 pub trait Dialect {
     /// `fmiVersion`.
     const VERSION: &'static str;
-    /// Name of the attribute with the guid.
+    /// Name of the guid attribute.
     const GUID: &'static str;
 
-    /// Further attributes of the whole description.
+    /// Further attributes of the root element.
     fn more() -> Attributes {
         Vec::new()
     }
-    /// What the FMU can do, for Model Exchange and for co-simulation.
+    /// Capabilities for Model Exchange and co-simulation.
     fn capabilities(xml: &mut String, identifier: &str);
     /// The type of a quantity.
     fn quantity(xml: &mut String, quantity: &Quantity);
     /// The type of a choice.
     fn enumeration(xml: &mut String, enumeration: &Enumeration);
-    /// A variable of the table; `attributes` are those that every type has.
+    /// A variable of the table; `attributes` are those common to all types.
     fn variable(xml: &mut String, variable: &Variable, attributes: Attributes, starts: &Starts);
-    /// Variables behind those of the table.
+    /// Variables after those of the table.
     fn further_variables(_xml: &mut String) {}
-    /// Dependencies of outputs, of rates, and of what is calculated in initialization.
+    /// Dependencies of outputs, of rates, and of the variables calculated in initialization.
     fn structure(xml: &mut String, unknowns: [Vec<Unknown>; 3]);
 }
 
-/// Renders the description of a chamber with these start values. `generated` is a UTC time as in 2026-01-31T12:00:00Z.
+/// Renders the description of a chamber with these start values. `generated` is a UTC time such as 2026-01-31T12:00:00Z.
 pub fn render<D: Dialect>(identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
     let hash = Sha256::digest(document::<D>(identity, starts, generated, "").as_bytes());
     let hex: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
@@ -131,7 +131,7 @@ fn units(xml: &mut String) {
     *xml += "  </UnitDefinitions>\n";
 }
 
-/// Attributes that variables of every type have.
+/// Attributes common to variables of all types.
 fn common(reference: usize, variable: &Variable) -> Attributes {
     let (causality, initial) = match variable.role {
         Role::Input(_) => ("input", None),
@@ -155,7 +155,7 @@ fn common(reference: usize, variable: &Variable) -> Attributes {
     attributes
 }
 
-/// Attributes of a quantity, which its type declares.
+/// Attributes of a quantity in its type definition.
 pub fn of_quantity(quantity: &Quantity) -> Attributes {
     let mut attributes = unit(quantity);
     attributes.extend(quantity.min.map(|min| ("min", number(min))));
@@ -168,7 +168,7 @@ fn unit(quantity: &Quantity) -> Attributes {
     quantity.unit_attribute().into_iter().chain(display).collect()
 }
 
-/// Attributes of a real variable. A rate names its state by place, counted from `first`.
+/// Attributes of a real variable. A rate names its state by index, counted from `first`.
 pub fn of_real(variable: &Variable, starts: &Starts, first: usize) -> Attributes {
     let mut attributes = vec![("declaredType", variable.quantity.name.into())];
     attributes.extend(unit(variable.quantity));
@@ -187,7 +187,7 @@ pub fn of_enumeration(enumeration: &Enumeration) -> Attributes {
     vec![("name", enumeration.name.into()), ("description", enumeration.description.into())]
 }
 
-/// What a choice can be.
+/// The items of a choice.
 pub fn items(xml: &mut String, indent: usize, enumeration: &Enumeration) {
     for (value, (name, description)) in enumeration.items.iter().enumerate() {
         let value = (value + 1).to_string();
@@ -196,7 +196,7 @@ pub fn items(xml: &mut String, indent: usize, enumeration: &Enumeration) {
     }
 }
 
-/// What an unknown depends on, with variables counted from `first`.
+/// The dependencies of an unknown, with variables counted from `first`.
 pub fn dependencies(unknown: &Unknown, first: usize) -> String {
     let places: Vec<String> = unknown.dependencies.iter().map(|place| (first + place).to_string()).collect();
     places.join(" ")

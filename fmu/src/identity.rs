@@ -1,16 +1,16 @@
-//! Who an FMU is: its name, as the file that it is written to has it, and the identifier made of it.
+//! Identity of an FMU: its name, from its file name, and the derived identifier.
 
 /// Name and identifier of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// `modelName`: the FMU's file name without its ending.
+    /// `modelName`: the FMU's file name without its extension.
     pub name: String,
-    /// `modelIdentifier`: the name of the library, an identifier of C.
+    /// `modelIdentifier`: the name of the library, a C identifier.
     pub identifier: String,
 }
 
 impl Identity {
-    /// A model of that name. What an identifier of C cannot hold becomes an underscore.
+    /// A model of that name. Characters not allowed in a C identifier become underscores.
     pub fn of(name: &str) -> Self {
         let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let mut identifier: String = name.chars().map(allowed).collect();

@@ -1,11 +1,11 @@
-//! The start values inside the library: a marked stretch of its data that the packager overwrites.
+//! The start values inside the library: a marked block of data that the packager overwrites.
 //!
-//! Importers differ in whether they set start values, and in how they spell the place of the FMU's resources. Values in
-//! the library itself need neither: description and library cannot part, for both carry the guid made from the one.
+//! Importers differ in whether they set start values, and in how they specify the path of the FMU's resources. Values stored in
+//! the library need neither: description and library stay consistent, since both contain the guid derived from the description.
 //!
-//! magic (16) · fingerprint of the table of variables (8) · CRC-32 of all that follows (4) · 0 (4) · guid (40) ·
-//! choices · inputs · real parameters, little-endian doubles. As built, all after the fingerprint is zero: the reference
-//! chamber with the guid of `modelDescription/modelDescription.xml`.
+//! magic (16) · fingerprint of the table of variables (8) · CRC-32 of all that follows (4) · 0 (4) · guid (40) · choices · inputs
+//! · real parameters, little-endian doubles. As compiled, everything after the fingerprint is zero: the reference chamber with
+//! the guid of `modelDescription/modelDescription.xml`.
 
 use crate::plant::values::{Choice, INPUTS, REALS, Starts};
 use crate::table::admits;
@@ -17,18 +17,18 @@ pub const LENGTH: usize = VALUES + 8 * (CHOICES + INPUTS + REALS);
 const MAGIC_LENGTH: usize = 16;
 const CHECKSUM: usize = 24;
 const GUID: usize = 32;
-/// Bytes that a guid takes, zeros behind it included.
+/// Bytes of a guid, including zero padding.
 pub const GUID_LENGTH: usize = 40;
 const VALUES: usize = GUID + GUID_LENGTH;
 const CHOICES: usize = Choice::ALL.len();
 
-/// The first half of the mark; the second half is its complement, so that the mark stands nowhere but in the block.
+/// First half of the mark; the second half is its complement, so that the mark occurs only in the block.
 const MARK: [u8; 8] = *b"pntChmb1";
 
-/// The guid of the reviewed description, which goes with the block as built.
+/// The guid of the reviewed description, which belongs to the block as compiled.
 pub const REFERENCE_GUID: &str = include_str!("../../modelDescription/guid.txt").trim_ascii_end();
 
-/// The block as built.
+/// The block as compiled.
 pub const AS_BUILT: [u8; LENGTH] = {
     let mut block = [0; LENGTH];
     let print = fingerprint().to_le_bytes();
@@ -42,7 +42,8 @@ pub const AS_BUILT: [u8; LENGTH] = {
     block
 };
 
-/// Changes with the program's version and with any effect's or parameter's name: what is behind a value's place.
+/// Depends on the program's version and on the names of all effects and parameters, which define the meaning of each value's
+/// index.
 const fn fingerprint() -> u64 {
     let mut hash = mix(0xcbf2_9ce4_8422_2325, env!("CARGO_PKG_VERSION").as_bytes());
     let mut i = 0;
@@ -58,7 +59,7 @@ const fn fingerprint() -> u64 {
     hash
 }
 
-/// Carries an FNV-1a hash on over more bytes.
+/// Extends an FNV-1a hash over more bytes.
 const fn mix(mut hash: u64, bytes: &[u8]) -> u64 {
     let mut i = 0;
     while i < bytes.len() {
@@ -68,16 +69,16 @@ const fn mix(mut hash: u64, bytes: &[u8]) -> u64 {
     hash
 }
 
-/// Why a library cannot be given start values.
+/// Why start values cannot be written into a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum BlockError {
-    /// The mark is not there.
+    /// The mark is missing.
     #[error("it holds no block of start values: it is not the library of this FMU")]
     Missing,
-    /// Another version's library.
+    /// A library of another version.
     #[error("it was built from another version of the program: build it again")]
     OtherVersion,
-    /// It has values already.
+    /// It already contains values.
     #[error("it has start values already: take the library as it was built")]
     Taken,
 }
@@ -97,7 +98,7 @@ impl Block {
         Self { starts: Starts::default(), guid: REFERENCE_GUID.into() }
     }
 
-    /// The block as it stands in the library's file: marks, checksum, guid, values.
+    /// The block as bytes of the library's file: marks, checksum, guid, values.
     pub fn encode(&self) -> [u8; LENGTH] {
         let mut out = AS_BUILT;
         out[GUID..VALUES].copy_from_slice(&padded(&self.guid));
@@ -111,9 +112,9 @@ impl Block {
         out
     }
 
-    /// What the block's bytes say; `None` where they are damaged.
+    /// Decodes the block's bytes; `None` if damaged.
     pub fn decode(bytes: &[u8; LENGTH]) -> Option<Self> {
-        // Not compared with `AS_BUILT`: that would put the mark into the library a second time.
+        // Not compared with `AS_BUILT`, which would put a second copy of the mark into the library.
         if bytes[CHECKSUM..].iter().all(|b| *b == 0) {
             return Some(Self::reference());
         }
@@ -134,10 +135,10 @@ impl Block {
         admits(&starts).then_some(Self { starts, guid })
     }
 
-    /// Writes the block into a library as built, at each place it has one (a universal binary has two); returns the places.
+    /// Writes the block into a library as compiled, at each occurrence (a universal binary has two); returns the offsets.
     ///
     /// # Errors
-    /// When the library has no block, or not this version's.
+    /// If the library has no block, or that of another version.
     pub fn write_into(&self, library: &mut [u8]) -> Result<Vec<usize>, BlockError> {
         let magic = &AS_BUILT[..MAGIC_LENGTH];
         let places: Vec<usize> = memmem(library, magic).filter(|&at| at + LENGTH <= library.len()).collect();
@@ -157,14 +158,14 @@ impl Block {
     }
 }
 
-/// A guid with zeros behind it.
+/// A guid, zero-padded.
 pub fn padded(guid: &str) -> [u8; GUID_LENGTH] {
     let mut out = [0; GUID_LENGTH];
     out.iter_mut().zip(guid.bytes()).for_each(|(to, from)| *to = from);
     out
 }
 
-/// Places of `needle` in `hay`.
+/// Offsets of `needle` in `hay`.
 fn memmem(hay: &[u8], needle: &[u8]) -> impl Iterator<Item = usize> {
     hay.windows(needle.len()).enumerate().filter(move |(_, window)| *window == needle).map(|(at, _)| at)
 }

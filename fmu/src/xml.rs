@@ -1,9 +1,9 @@
-//! XML as the model descriptions are written: tags line by line, attributes escaped, numbers that read back the same.
+//! XML writer for the model descriptions: tags line by line, attributes escaped, numbers that read back unchanged.
 
 use report::page::escaped;
 use std::fmt::Write;
 
-/// One opening (or, for a leaf, whole) tag on a line of its own.
+/// One opening tag (for a leaf, a complete one) on its own line.
 pub fn line(xml: &mut String, indent: usize, tag: &str, attributes: &[(&str, String)], leaf: bool) {
     let _ = write!(xml, "{:indent$}<{tag}", "");
     for (name, value) in attributes {

@@ -1,4 +1,4 @@
-//! The FMU against the closed forms of the sealed chamber, at communication steps from 0.1 ms to 0.1 s.
+//! Compares the FMU with the closed forms of the sealed chamber, at communication steps from 0.1 ms to 0.1 s.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -35,7 +35,7 @@ fn host(area_law: AreaLaw, tolerance: Option<f64>) -> Host {
     host
 }
 
-/// Pressure a time after the start of a ramp of `push` seconds and the hold that follows.
+/// Exact pressure at a time after the start of a ramp of `push` seconds, followed by a hold.
 fn exact(chamber: &Chamber, push: f64, t: f64) -> f64 {
     let (v0, v1) = (chamber.geometry.volume(FROM), chamber.geometry.volume(TO));
     let closed = Closed::filled(chamber, PRESSURE, AMBIENT, v0, AMBIENT);

@@ -1,4 +1,4 @@
-//! What a step costs: no allocation, and memory that stays flat however many steps are made.
+//! Cost of a step: no allocation, and constant memory however many steps are made.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -8,7 +8,7 @@ use common::Host;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// The system's allocator, counting what this thread does.
+/// The system's allocator, counting this thread's allocations.
 struct Counting;
 
 thread_local! {
@@ -31,7 +31,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// Steps of 1 ms with moving inputs; time reached.
+/// Makes steps of 1 ms with moving inputs; returns the time reached.
 fn drive(host: &Host, from: u32, steps: u32) {
     for k in from..from + steps {
         let t = f64::from(k) * 1e-3;

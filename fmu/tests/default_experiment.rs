@@ -1,4 +1,4 @@
-//! What an FMU does whose host sets nothing: a push and hold, until the host sets something.
+//! Behaviour of an FMU whose host sets nothing: a push and hold, until the host sets something.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -14,7 +14,7 @@ fn a_host_that_sets_nothing_sees_a_push_and_hold() {
     let begin = host.get("pressure");
     host.step(0.0, 0.07);
     assert!((host.get("pistonPosition") - 0.065).abs() < 1e-15 && host.get("velocity") == -0.5);
-    // The turn at 0.1 s lies within this step.
+    // The change at 0.1 s lies within this step.
     host.step(0.07, 0.13);
     let pushed = host.get("pressure");
     assert!((host.get("pistonPosition") - 0.05).abs() < 1e-15 && host.get("velocity") == 0.0 && pushed > 1.9 * begin);
@@ -84,7 +84,7 @@ fn a_host_that_integrates_is_told_when_the_push_ends() {
         assert_eq!(fmi2EnterEventMode(host.c), 0);
         assert_eq!(fmi2NewDiscreteStates(host.c, &mut info), 0);
     }
-    // It has to begin a new integration, for the speed jumps.
+    // It must restart the integration, because the speed jumps.
     assert_eq!((info.next_event_time_defined, info.values_of_continuous_states_changed), (0, 1));
     assert_eq!((host.get("position"), host.get("velocity")), (0.05, 0.0));
 }

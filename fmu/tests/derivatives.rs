@@ -1,4 +1,4 @@
-//! Directional and output derivatives against differences of the FMU itself.
+//! Compares directional and output derivatives with finite differences of the FMU itself.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -8,12 +8,12 @@ use common::Host;
 use fmu::table::table;
 use fmu::table::variable::Role;
 
-/// Whether a derivative is that of a central difference over ±`d` of a value known to `relative`.
+/// Whether a derivative agrees with a central difference over ±`d` of a value known to `relative`.
 fn close(exact: f64, difference: f64, value: f64, relative: f64, d: f64) -> bool {
     (exact - difference).abs() <= 1e-5 * difference.abs() + relative * value.abs() / d
 }
 
-/// A chamber under way with all effects on, out of equilibrium.
+/// A running chamber with all effects on, out of equilibrium.
 fn under_way() -> Host {
     let host = Host::started(&[
         ("initialPressure", 3e5),
@@ -35,7 +35,7 @@ fn under_way() -> Host {
     host.set("massFlowOut", 1e-4);
     host.set("temperatureIn", 280.0);
     host.step(0.0, 0.05);
-    // A stroke of 1 mm is pending: at none, gas in the tube makes pushing another thing than pulling.
+    // A jump of 1 mm is pending: without one, gas in the tube makes pushing different from pulling.
     host.set("position", host.get("position") - 0.2 * 0.05 - 1e-3);
     host
 }
@@ -59,7 +59,7 @@ fn derivatives_by_inputs_and_tunable_parameters_are_those_of_central_differences
                 value
             };
             let difference = (shifted(d) - shifted(-d)) / (2.0 * d);
-            // The stroke is taken up to 1e-11 of the states, rates magnify that, and so does a difference over d.
+            // The jump is computed to 1e-11 of the states, which rates and the difference over d magnify.
             let value = host.get(&v.name).abs().max(v.nominal);
             assert!(close(exact, difference, value, 1e-9, d), "d {} / d {known}: {exact} {difference}", v.name);
         }
@@ -73,7 +73,7 @@ fn derivatives_at_the_start_are_those_of_central_differences() {
     host.set("initialTemperature", 340.0);
     host.set("leakage.conductance", 1e-11);
     host.set("velocity", 0.1);
-    // Away from zero, where a flow's direction is a kink.
+    // Away from zero, where a flow's direction has a kink.
     host.set("massFlowIn", 1e-4);
     host.set("massFlowOut", 2e-4);
     assert_eq!(unsafe { fmu::fmi2::abi::fmi2EnterInitializationMode(host.c) }, 0);
@@ -125,7 +125,7 @@ fn output_derivatives_are_the_rates_at_which_outputs_change() {
     let host = under_way();
     host.set("sensorLag.timeConstant", 0.03);
     host.set("recordDelay.delay", 0.02);
-    // The delay's past and the lag have to fill first.
+    // First fill the delay's history and let the lag settle.
     host.step(0.05, 0.05);
     host.set("position", host.get("position") - 0.01);
     let d = 1e-5;

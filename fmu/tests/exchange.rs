@@ -1,5 +1,5 @@
-//! Model Exchange: a host that integrates finds what co-simulation finds, meets every corner as an event, and may do
-//! nothing out of order.
+//! Model Exchange: a host that integrates gets the results of co-simulation, meets every corner as an event, and is refused any
+//! call out of order.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -32,7 +32,7 @@ impl<F: Fn(&Host, f64)> Exchange<F> {
         new
     }
 
-    /// From event mode to continuous time; whether states changed.
+    /// Goes from event mode to continuous time; returns whether states changed.
     fn handle_event(&self) -> bool {
         let mut info = EventInfo::default();
         unsafe {
@@ -70,7 +70,7 @@ impl<F: Fn(&Host, f64)> Exchange<F> {
         z
     }
 
-    /// Integrates to `until` over a stretch on which the inputs are smooth. The record is told of each step.
+    /// Integrates to `until` over an interval with smooth inputs, completing each step for the record.
     fn advance(&mut self, until: f64) {
         let mut nominals = [0.0; ALL];
         assert_eq!(unsafe { fmi2GetNominalsOfContinuousStates(self.host.c, nominals.as_mut_ptr(), ALL) }, 0);
@@ -89,8 +89,8 @@ impl<F: Fn(&Host, f64)> Exchange<F> {
         self.time = until;
     }
 
-    /// Integrates in steps of `h` until an indicator changes its sign, and halves the last step until the event lies
-    /// within 1e-12 s; which indicator it is.
+    /// Integrates in steps of `h` until an indicator changes sign, and halves the last step until the event is located to 1e-12
+    /// s; returns the indicator's index.
     fn next_event(&mut self, h: f64, latest: f64) -> Option<usize> {
         let z = self.indicators();
         while self.time < latest {
@@ -143,7 +143,7 @@ fn a_host_that_integrates_finds_what_co_simulation_finds_with_every_effect() {
         let starts: Vec<(&str, f64)> = starts.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let together = Host::new();
         together.start(&starts, Some(1e-11));
-        // What holds after a corner in time holds from it on.
+        // At a corner in time, the value after it applies.
         let speed = std::cell::Cell::new(0.0);
         let mut apart = Exchange::started(&starts, 1e-11, |host, t| {
             host.set("position", push(t).0);
@@ -361,7 +361,7 @@ fn states_beyond_all_numbers_complete_no_step_and_start_no_record_so_that_what_i
         assert!(host.message().contains("the outputs of this state are too large for a number"));
         assert_eq!(fmi2EnterEventMode(host.c), 2);
         assert_eq!(host.deserialize(&host.serialized()), 0, "{:?}", host.messages());
-        // The solver goes back, and all is well.
+        // The solver goes back, and the simulation continues.
         assert_eq!(fmi2SetContinuousStates(host.c, gas.as_ptr(), ALL), 0);
         assert_eq!(fmi2CompletedIntegratorStep(host.c, 1, &mut event, &mut end), 0);
         assert_eq!(fmi2EnterEventMode(host.c), 0);
@@ -374,7 +374,7 @@ fn states_beyond_all_numbers_complete_no_step_and_start_no_record_so_that_what_i
 fn an_initialization_that_makes_no_gas_is_refused_and_can_be_mended() {
     let host = Host::exchange();
     unsafe { assert_eq!(fmi2EnterInitializationMode(host.c), 0) };
-    // So small that one over the volume is no number.
+    // So small that the reciprocal of the volume is not finite.
     host.set("deadVolume", 0.0);
     host.set("position", f64::MIN_POSITIVE);
     let before = host.serialized();

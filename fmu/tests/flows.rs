@@ -1,4 +1,4 @@
-//! Charging, discharging, strokes and effects against independent integrations and conservation laws.
+//! Compares charging, discharging, strokes and effects with independent integrations and conservation laws.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -28,8 +28,8 @@ fn outflow(t: f64) -> f64 {
     1.5e-4 * (1.0 - (9.0 * t).cos())
 }
 
-/// Pressure and temperature after one stretch of linear inputs, from the paper's equations (1) and (2) in P and T: other
-/// states than the FMU's, at a tolerance far below it.
+/// Pressure and temperature after one interval of linear inputs, from the paper's equations (1) and (2) in P and T: other states
+/// than the FMU's, at a far smaller tolerance.
 fn paper_form(chamber: &Chamber, y: [f64; 2], t: f64, h: f64, linear: bool) -> [f64; 2] {
     let between = |f: fn(f64) -> f64, s: f64| if linear { f(t) + (f(t + h) - f(t)) / h * s } else { f(t) };
     let system = |s: f64, y: &[f64; 2]| {
@@ -95,7 +95,7 @@ fn mass_and_energy_close_to_rounding() {
     let cp = 1.4 * 287.0 / 0.4;
     assert!((host.get("mass") / (m0 + 3e-4) - 1.0).abs() < 1e-10);
     assert!((host.get("internalEnergy") / (u0 + cp * 3e-4 * 350.0) - 1.0).abs() < 1e-10);
-    // Outflow alone is isentropic in the gas that stays: U ∝ m^γ.
+    // Outflow alone is isentropic in the remaining gas: U ∝ m^γ.
     let (m1, u1) = (host.get("mass"), host.get("internalEnergy"));
     host.set("massFlowIn", 0.0);
     host.set("massFlowOut", 2e-4);

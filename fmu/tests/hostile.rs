@@ -1,7 +1,7 @@
-//! Hosts that call anything with anything, and many instances at once.
+//! Hosts that make arbitrary calls with arbitrary arguments, and many instances at once.
 //!
-//! Random call sequences of co-simulation and of Model Exchange, other ones in every run: 5,000 and 20,000, or as many as
-//! `PNEUTHERM_FUZZ_CASES` says. Those of FMI 3.0 are in `hostile_fmi3.rs`.
+//! Random call sequences of co-simulation and Model Exchange, different in every run: 5,000 and 20,000, or the number in
+//! `PNEUTHERM_FUZZ_CASES`. Those of FMI 3.0 are in `hostile_fmi3.rs`.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -54,7 +54,7 @@ enum Call {
     Indicators(usize),
 }
 
-/// What only a host that integrates calls.
+/// Calls of a host that integrates.
 fn exchange() -> impl Strategy<Value = Call> {
     prop_oneof![
         1 => Just(Call::Begin),
@@ -97,7 +97,7 @@ fn call() -> impl Strategy<Value = Call> {
     ]
 }
 
-/// What a host holds beside the instance.
+/// What a host holds besides the instance.
 #[derive(Default)]
 struct Held {
     states: Vec<*mut c_void>,
@@ -115,7 +115,7 @@ fn reached(host: &Host) -> f64 {
     time
 }
 
-/// Makes the call; its worst status.
+/// Makes the call; returns its worst status.
 unsafe fn make(host: &Host, held: &mut Held, call: &Call) -> CEnum {
     let c = host.c;
     unsafe {
@@ -256,14 +256,14 @@ proptest! {
     }
 }
 
-/// Whether a refusal of the call leaves everything as it was. A pair of calls may be half done.
+/// Whether a refusal of the call leaves everything unchanged. A pair of calls may be half done.
 fn is_one_call(call: &Call) -> bool {
     use Call::*;
     !matches!(call, Start | SetOther(_) | Begin | Bytes { .. } | Save | Free(_))
 }
 
-/// Makes the calls: each is answered, each refusal explained, and a refused one changes nothing. What all of them come to
-/// can be saved and read, and a reset makes the instance as new.
+/// Makes the calls: each is answered, each refusal explained, and a refused call changes nothing. The final state can be saved
+/// and restored, and a reset makes the instance as new.
 fn survives(host: &Host, fresh: &Host, calls: &[Call]) -> Result<(), TestCaseError> {
     let mut held = Held::default();
     for call in calls {
@@ -291,7 +291,7 @@ fn survives(host: &Host, fresh: &Host, calls: &[Call]) -> Result<(), TestCaseErr
     Ok(())
 }
 
-/// Pressure over a run whose inputs depend on `seed`, as bits.
+/// Pressures of a run whose inputs depend on `seed`, as bits.
 fn run(seed: u32) -> Vec<u64> {
     let host = Host::started(&[("initialPressure", 2e5 + f64::from(seed)), ("wallHeating.capacity", 1.0)]);
     (0..300)
@@ -310,7 +310,7 @@ fn sixty_four_instances_in_eight_threads_run_as_if_alone() {
     let threads: Vec<_> = (0..8)
         .map(|t| {
             std::thread::spawn(move || {
-                // Eight instances alive at once, stepped in turn.
+                // Eight instances at once, stepped in turn.
                 let hosts: Vec<_> = (0..8)
                     .map(|i| {
                         let pressure = 2e5 + f64::from(8 * t + i);

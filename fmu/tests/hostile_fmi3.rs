@@ -1,6 +1,6 @@
-//! Hosts of FMI 3.0 that call anything with anything: random call sequences of Model Exchange and of co-simulation, with
-//! and without event mode and early return, other ones in every run: 20,000 and 2,000, or as many as `PNEUTHERM_FUZZ_CASES`
-//! says.
+//! FMI 3.0 hosts that make arbitrary calls with arbitrary arguments: random call sequences of Model Exchange and of
+//! co-simulation, with and without event mode and early return, different in every run: 20,000 and 2,000, or the number in
+//! `PNEUTHERM_FUZZ_CASES`.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -22,7 +22,7 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
 
-/// The standard's functions, as this library has them.
+/// The standard's functions, as implemented in this library.
 static FUNCTIONS: LazyLock<BTreeSet<&str>> = LazyLock::new(|| {
     let sources = [
         include_str!("../src/fmi3/abi/absent.rs"),
@@ -43,14 +43,14 @@ unsafe extern "C" fn receive(environment: *mut c_void, status: CEnum, category: 
     unsafe { &*environment.cast::<Log>() }.borrow_mut().push((status, owned(text)));
 }
 
-/// How an instance is made.
+/// Kind of an instance.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     CoSimulation { event_mode: bool, early_return: bool },
     ModelExchange,
 }
 
-/// One instance, its log, and the states that were saved of it.
+/// One instance, its log, and its saved states.
 struct Host {
     c: *mut c_void,
     log: *mut Log,
@@ -91,7 +91,7 @@ impl Host {
         Self { c, log, states: Vec::new() }
     }
 
-    /// Through initialization with these parameters, and on to where time passes.
+    /// Initializes the instance with these parameters, up to the mode in which time advances.
     fn start(&self, kind: Kind, parameters: &[(&str, f64)]) {
         for &(name, value) in parameters {
             let reference = table().iter().position(|v| v.name == name).unwrap() as u32;
@@ -115,7 +115,7 @@ impl Host {
         }
     }
 
-    /// From event mode to continuous-time mode.
+    /// Goes from event mode to continuous-time mode.
     unsafe fn begin(&self) -> CEnum {
         unsafe { self.update(false).max(fmi3EnterContinuousTimeMode(self.c)) }
     }
@@ -162,7 +162,7 @@ impl Drop for Host {
     }
 }
 
-/// Functions for types of variables that this FMU has none of.
+/// Functions for variable types that this FMU does not have.
 #[derive(Clone, Copy, Debug)]
 enum Foreign {
     Float32,
@@ -223,7 +223,7 @@ fn reference() -> impl Strategy<Value = u32> {
     draws::reference(1 + CORNERS as u32)
 }
 
-/// One more value than references, in one case of twenty.
+/// One value more than references, in one case of twenty.
 fn more() -> impl Strategy<Value = usize> {
     draws::null().prop_map(usize::from)
 }
@@ -272,7 +272,7 @@ fn values() -> impl Strategy<Value = Call> {
     ]
 }
 
-/// What a host calls that lets the FMU integrate.
+/// Calls of a host that lets the FMU integrate.
 fn stepping() -> impl Strategy<Value = Call> {
     (prop_oneof![9 => Just(0.0), 1 => number()], step(), draws::null()).prop_map(|(offset, h, null)| Call::Step {
         offset,
@@ -281,7 +281,7 @@ fn stepping() -> impl Strategy<Value = Call> {
     })
 }
 
-/// What a host calls that integrates.
+/// Calls of a host that integrates.
 fn exchange() -> impl Strategy<Value = Call> {
     prop_oneof![
         4 => draws::null().prop_map(|null| Call::Completed { null }),
@@ -293,7 +293,7 @@ fn exchange() -> impl Strategy<Value = Call> {
     ]
 }
 
-/// Makes the call; its worst status.
+/// Makes the call; returns its worst status.
 unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
     let c = host.c;
     unsafe {
@@ -416,7 +416,7 @@ unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
     }
 }
 
-/// Gets and sets a variable as one of a type that there is none of.
+/// Gets and sets a variable with a type that does not occur.
 unsafe fn foreign_type(c: *mut c_void, of: Foreign, vr: &u32) -> CEnum {
     unsafe {
         match of {
@@ -445,13 +445,13 @@ unsafe fn foreign_type(c: *mut c_void, of: Foreign, vr: &u32) -> CEnum {
     }
 }
 
-/// Whether a refusal of the call leaves everything as it was. A pair of calls may be half done.
+/// Whether a refusal of the call leaves everything unchanged. A pair of calls may be half done.
 fn is_one_call(call: &Call) -> bool {
     !matches!(call, Call::Begin | Call::Bytes { .. } | Call::Save | Call::Free(_) | Call::Enter { .. })
 }
 
-/// Makes the calls: each is answered, each refusal is explained in the words of FMI 3.0, and a refused one changes nothing.
-/// What all of them come to can be saved and read, and a reset makes the instance as new.
+/// Makes the calls: each is answered, each refusal is explained in the terms of FMI 3.0, and a refused call changes nothing. The
+/// final state can be saved and restored, and a reset makes the instance as new.
 fn survives(kind: Kind, equipment: &[(&str, f64)], orderly: bool, calls: &[Call]) -> Result<(), TestCaseError> {
     let mut host = Host::new(kind);
     let fresh = host.serialized();

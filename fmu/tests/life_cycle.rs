@@ -1,4 +1,4 @@
-//! What a host may and may not do: order of calls, refused values by name, whole batches, discarded steps, reset, logging.
+//! Rules for a host: order of calls, values refused by name, whole batches, discarded steps, reset, logging.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
@@ -337,7 +337,7 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert_eq!(host.messages().len(), 1, "refusals are told even with logging off");
 }
 
-/// A logger that asks the instance it hears of for a value, and counts how often it was heard.
+/// A logger that requests a value from the reporting instance, and counts its calls.
 unsafe extern "C" fn calls_back(
     environment: *mut std::ffi::c_void,
     _name: *const std::ffi::c_char,

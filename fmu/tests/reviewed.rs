@@ -1,4 +1,4 @@
-//! What ships beside the library is what was reviewed: `UPDATE_EXPECT=1 cargo test -p pneutherm-fmu` writes it anew.
+//! The files shipped with the library are the reviewed ones: `UPDATE_EXPECT=1 cargo test -p pneutherm-fmu` rewrites them.
 
 use expect_test::expect_file;
 use fmu::identity::Identity;

@@ -1,4 +1,4 @@
-//! Saved states: rollback, serialization into a new process, and bytes that are no state.
+//! Saved states: rollback, serialization into a new process, and invalid bytes.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 #![cfg_attr(miri, feature(c_variadic))]
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use std::process::Command;
 use std::ptr::null_mut;
 
-/// A chamber under way with memory of every kind: own states, delayed record, derivatives set for the next step.
+/// A running chamber with all kinds of memory: own states, delayed record, derivatives set for the next step.
 fn under_way() -> Host {
     let host = Host::started(&MEMORY);
     for k in 0..50 {

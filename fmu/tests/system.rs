@@ -1,4 +1,4 @@
-//! The chamber in a system: ports solved inside, the stroke's ends, a wall of others, sums that close, warnings once.
+//! The chamber in a system: internally solved ports, ends of the stroke, external wall, sums that close, one-time warnings.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
 
@@ -26,7 +26,7 @@ fn sums_close_the_balances_whatever_the_step() {
             ("temperatureIn", 320.0),
         ]);
         let (u0, m0) = (host.get("internalEnergy"), host.get("mass"));
-        // What ports and flow bring, from the means that the host sees; the gas loses nothing else.
+        // Contributions of ports and flow, from the means seen by the host; the gas loses nothing else.
         let (mut mass, mut enthalpy) = (0.0, 0.0);
         for k in 0..(0.4f64 / h).round() as u32 {
             let t = f64::from(k) * h;
@@ -94,7 +94,7 @@ fn a_frictionless_mass_on_the_gas_keeps_its_energy() {
         host.get("internalEnergy") + 101_325.0 * area * host.get("pistonPosition") + 0.5 * mass * v * v
     };
     let (before, mut worst): (f64, f64) = (energy(&host, v), 0.0);
-    // Velocity at half steps, as an integrator that keeps the energy has it.
+    // Velocity at half steps, as in an energy-conserving integrator.
     v += 0.5 * h * host.get("force") / mass;
     for k in 0..1000 {
         host.set("velocity", v);

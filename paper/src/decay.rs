@@ -3,22 +3,22 @@
 //! [`Exponential`]  P = Pf + ΔP e^(−t/τ)      the paper's regression: parameters Pf, ΔP, τ
 //! [`Reciprocal`]   P = Pf/(1 − a e^(−k t))   exact for λ ∝ √(P T): parameters Pf, a, k
 //!
-//! Both are linear but for one rate: P, or 1/P with weight P⁴ (the variance of 1/P is σ²/P⁴), is A + B e^(−k t). A scan of
-//! the rate with A and B solved for gives a start from which Levenberg–Marquardt, with the exact Jacobian of P, goes on.
+//! Both are linear except for one rate: P, or 1/P with weight P⁴ (the variance of 1/P is σ²/P⁴), is A + B e^(−k t). A scan over
+//! the rate, solving for A and B, gives the start for Levenberg–Marquardt with the exact Jacobian of P.
 
 use super::Error;
 use super::statistics::{residual_scale, unscaled_covariance};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{Const, DVector, Dyn, Matrix3, OMatrix, Owned, Vector3};
 
-/// Rows a decay needs at least.
+/// Minimum number of rows of a decay.
 pub const ROWS_NEEDED: usize = 8;
 
-/// A curve of three parameters.
+/// A curve with three parameters.
 pub trait Shape {
     /// Value at `t` and its derivatives with respect to the parameters.
     fn value_and_slopes(p: &Vector3<f64>, t: f64) -> (f64, Vector3<f64>);
-    /// What is linear in A and B: P or 1/P, and its weight.
+    /// The quantity that is linear in A and B, P or 1/P, and its weight.
     fn linearised(pressure: f64) -> (f64, f64);
     /// Parameters from A, B and the rate.
     fn parameters(a: f64, b: f64, rate: f64) -> Vector3<f64>;
@@ -63,7 +63,7 @@ impl Shape for Reciprocal {
 pub struct Fit {
     /// The three parameters, in the shape's order.
     pub parameters: Vector3<f64>,
-    /// Their covariance, autocorrelation of the residuals included.
+    /// Their covariance, including the autocorrelation of the residuals.
     pub covariance: Matrix3<f64>,
     /// Half width of a 95 % interval in standard errors.
     pub quantile_95: f64,
@@ -74,7 +74,7 @@ pub struct Fit {
 /// Fits a shape to pressures, Pa, at times, s, from the start of the decay.
 ///
 /// # Errors
-/// Too few rows, or no decay that can be told from a constant or from a straight line.
+/// For too few rows, or a decay indistinguishable from a constant or a straight line.
 pub fn fit<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Fit, Error> {
     if time_s.len() < ROWS_NEEDED {
         return Err(Error::TooFewRows { found: time_s.len(), needed: ROWS_NEEDED });
@@ -82,7 +82,7 @@ pub fn fit<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Fit, Error> 
     let start = scan::<S>(time_s, pressure_pa)?;
     let problem = Problem::<S> { time_s, pressure_pa, p: start, shape: core::marker::PhantomData };
     let (problem, report) = LevenbergMarquardt::new().with_patience(200).minimize(problem);
-    // At the rounding limit no further improvement is possible: that is where a fit of noise-free data ends.
+    // At the rounding limit no improvement is possible: there a fit of noise-free data ends.
     let done = report.termination.was_successful()
         || matches!(report.termination, TerminationReason::NoImprovementPossible(_));
     if !done || !problem.p.iter().all(|v| v.is_finite()) {
@@ -107,7 +107,7 @@ struct Problem<'a, S> {
 }
 
 impl<S: Shape> Problem<'_, S> {
-    /// Fitted value, its slopes and the measured value of each row.
+    /// Fitted value, its derivatives and the measured value for each row.
     fn rows(&self) -> impl Iterator<Item = (f64, Vector3<f64>, f64)> + '_ {
         self.time_s.iter().zip(self.pressure_pa).map(|(t, measured)| {
             let (value, slopes) = S::value_and_slopes(&self.p, t - self.time_s[0]);
@@ -140,13 +140,14 @@ impl<S: Shape> LeastSquaresProblem<f64, Dyn, Const<3>> for Problem<'_, S> {
     }
 }
 
-/// Rates tried per factor of ten.
+/// Number of rates tried per decade.
 const RATES_PER_DECADE: f64 = 20.0;
 
-/// Rows of the hold's start that are looked at one by one; later ones in means of rows that lie as close for the decay.
+/// Number of rows at the start of the hold used individually; later ones are averaged over rows that lie equally close in terms
+/// of the decay.
 const SINGLE_ROWS: usize = 400;
 
-/// Means of rows, the more rows the later: time, s, pressure, Pa, number of rows.
+/// Means of rows, over more rows the later: time, s, pressure, Pa, number of rows.
 fn means(time_s: &[f64], pressure_pa: &[f64]) -> Vec<[f64; 3]> {
     let mut out = Vec::new();
     let mut first = 0;
@@ -160,7 +161,7 @@ fn means(time_s: &[f64], pressure_pa: &[f64]) -> Vec<[f64; 3]> {
     out
 }
 
-/// The best of many rates, A and B solved for at each.
+/// The best of many rates, solving for A and B at each.
 fn scan<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Vector3<f64>, Error> {
     let hold_s = time_s[time_s.len() - 1] - time_s[0];
     let interval = hold_s / (time_s.len() - 1) as f64;
@@ -178,7 +179,7 @@ fn scan<S: Shape>(time_s: &[f64], pressure_pa: &[f64]) -> Result<Vector3<f64>, E
     }
 }
 
-/// A, B and the weighted sum of squares that remains, for one rate.
+/// A, B and the remaining weighted sum of squares, for one rate.
 fn separated<S: Shape>(means: &[[f64; 3]], rate: f64) -> (f64, f64, f64) {
     let rows = || {
         means.iter().map(|[t, p, rows]| {

@@ -1,4 +1,4 @@
-//! Why a push-and-hold test cannot be evaluated, in sentences.
+//! Why a push-and-hold test cannot be evaluated, as sentences.
 
 use thiserror::Error;
 
@@ -25,12 +25,12 @@ pub enum Error {
         /// Column of the recording: time, pressure or position.
         quantity: &'static str,
     },
-    /// Time stands still or falls.
+    /// Time does not increase.
     #[error("time does not increase at row {row} of the recording ({time_s} s)")]
     TimeNotIncreasing {
         /// Row, counted from 1.
         row: usize,
-        /// The time there, s.
+        /// The time in that row, s.
         time_s: f64,
     },
     /// A pressure is not absolute.
@@ -38,15 +38,15 @@ pub enum Error {
     PressureNotPositive {
         /// Row, counted from 1.
         row: usize,
-        /// The pressure there, Pa.
+        /// The pressure in that row, Pa.
         pressure_pa: f64,
     },
-    /// Too few rows to fit three parameters and say how well.
+    /// Too few rows to fit three parameters and estimate their errors.
     #[error("the hold has {found} rows; at least {needed} are needed to fit a decay of three parameters")]
     TooFewRows {
-        /// Rows that the hold has.
+        /// Number of rows of the hold.
         found: usize,
-        /// Rows that the fit needs.
+        /// Number of rows required by the fit.
         needed: usize,
     },
     /// The piston does not move.
@@ -55,7 +55,7 @@ pub enum Error {
     /// The piston moves more than once.
     #[error("the piston moves more than once in this recording; the paper's steps need one push and a hold")]
     SeveralMoves,
-    /// The piston does not rest at the end.
+    /// The piston is not at rest at the end.
     #[error(
         "the piston is not at rest in the last quarter of the recording (it moves by {:.3} mm of a travel of {:.3} mm); record a longer hold",
         deviation_m * 1e3,
@@ -67,7 +67,7 @@ pub enum Error {
         /// Travel of the piston in the recording, m.
         travel_m: f64,
     },
-    /// The decay's time constant cannot be told from the recording.
+    /// The decay's time constant cannot be determined from the recording.
     #[error(
         "the pressure after the stop shows no decay between the sampling interval and the length of the hold ({hold_s:.3} s)"
     )]
@@ -78,7 +78,7 @@ pub enum Error {
     /// The least squares iteration failed.
     #[error("the least squares fit of the decay did not converge: {reason}")]
     NotConverged {
-        /// What the iteration said.
+        /// The reason given by the iteration.
         reason: String,
     },
     /// Pressures and strokes contradict each other.
@@ -100,19 +100,19 @@ pub enum Error {
     /// A number that must be positive is not.
     #[error("{quantity} is {value}; a positive number is needed")]
     NotPositive {
-        /// Which number, with its unit.
+        /// Name of the number, with its unit.
         quantity: &'static str,
-        /// The number, in the unit that `quantity` names.
+        /// The number, in that unit.
         value: f64,
     },
-    /// An embedded table of the paper is not as expected.
+    /// An embedded table of the paper is invalid.
     #[error("{table}: line {line}: {reason}")]
     Table {
         /// File name of the table.
         table: &'static str,
         /// Line, counted from 1.
         line: usize,
-        /// What is wrong there.
+        /// The problem.
         reason: String,
     },
 }

@@ -1,8 +1,8 @@
 //! The exact regression: λ0 from the held piston without averaging.
 //!
-//! With λ ∝ √(P T) and the piston held, 1/P = (1/Pf)(1 − a e^(−k t)) exactly (design.md, "Exact solutions"), and
-//! k = λ(Pf, Tamb) Aq/(m cv). So λ0 = m cv k/Aq · √(P0 T0/(Pf Tamb)): steps 2 and 4 of the paper for m, Vd and Aq, and none
-//! of its averages. k in 1/s; a = 1 − Tamb/T at the start of the fit, dimensionless.
+//! With λ ∝ √(P T) and the piston held, 1/P = (1/Pf)(1 − a e^(−k t)) exactly (design.md, "Exact solutions"), and k = λ(Pf, Tamb)
+//! Aq/(m cv). Hence λ0 = m cv k/Aq · √(P0 T0/(Pf Tamb)), with m, Vd and Aq from steps 2 and 4 of the paper, and none of its
+//! averages. k in 1/s; a = 1 − Tamb/T at the start of the fit, dimensionless.
 
 use super::Error;
 use super::decay::{self, Fit, Reciprocal};
@@ -13,7 +13,7 @@ use chamber::dual::Dual;
 use chamber::real::Real;
 use serde::Serialize;
 
-/// What follows from Pf and k. SI units.
+/// Quantities derived from Pf and k. SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quantities<R = f64> {
     /// Mass m of the gas, kg.
@@ -24,7 +24,7 @@ pub struct Quantities<R = f64> {
     pub final_volume_m3: R,
     /// Heat transfer area Aq, m².
     pub area_m2: R,
-    /// τ_f = 1/k, s: the decay's time constant when nearly settled.
+    /// τ_f = 1/k, s: the decay's time constant near equilibrium.
     pub final_time_constant_s: R,
     /// λ at Pf and Tamb, W/(m² K).
     pub coefficient_final_w_per_m2_k: R,
@@ -57,7 +57,7 @@ pub fn quantities<R: Real>(
 /// The exact regression of a recording.
 #[derive(Clone, Debug)]
 pub struct ExactRegression {
-    /// Push and hold as found in it.
+    /// Push and hold found in it.
     pub relaxation: Relaxation,
     /// Final pressure Pf, Pa.
     pub final_pressure_pa: Estimate,
@@ -65,16 +65,16 @@ pub struct ExactRegression {
     pub amplitude: Estimate,
     /// Decay rate k, 1/s.
     pub rate_per_s: Estimate,
-    /// What follows, with intervals.
+    /// Derived quantities, with intervals.
     pub quantities: Quantities<Estimate>,
-    /// The fit behind them.
+    /// The underlying fit.
     pub fit: Fit,
 }
 
 /// Evaluates a recording by the exact regression.
 ///
 /// # Errors
-/// A recording that is not a push-and-hold test of a closed chamber.
+/// For a recording that is not a push-and-hold test of a closed chamber.
 pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<ExactRegression, Error> {
     check_setup(setup)?;
     let relaxation = recording.relaxation()?;
@@ -109,15 +109,15 @@ pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<ExactRegression,
     Ok(ExactRegression { relaxation, final_pressure_pa, amplitude, rate_per_s, quantities, fit })
 }
 
-/// Rows per time constant of the curve that stands for a printed regression.
+/// Rows per time constant of the curve that represents a printed regression.
 const ROWS_PER_TIME_CONSTANT: f64 = 50.0;
 
-/// Pf and k of the exact decay whose regression by an exponential, over a hold of that many τ, is the given one.
+/// Pf and k of the exact decay whose regression by an exponential, over a hold of `hold_time_constants` τ, is the given one.
 ///
-/// For tables that print a regression and not its recording; the longer the assumed hold, the smaller the difference.
+/// For tables that print a regression without its recording; the longer the assumed hold, the smaller the difference.
 ///
 /// # Errors
-/// A regression that no exact decay has.
+/// If no exact decay has this regression.
 pub fn behind_regression(regression: &Regression, hold_time_constants: f64) -> Result<(f64, f64), Error> {
     let tau = regression.time_constant_s;
     let rows = (hold_time_constants * ROWS_PER_TIME_CONSTANT).ceil() as usize;

@@ -1,6 +1,6 @@
 //! The paper's method and the paper's numbers: a coefficient from one push-and-hold test.
 //!
-//! Push the piston with the port closed, hold it, record the pressure. Two evaluations of that record stand side by side:
+//! Push the piston with the port closed, hold it, record the pressure. There are two evaluations of that record:
 //!
 //! | module | holds |
 //! |---|---|
@@ -10,8 +10,8 @@
 //! | [`decay`], [`statistics`] | the least squares fits and their 95 % intervals |
 //! | [`tables`] | the paper's tables, embedded as CSV |
 //! | [`section31`] | the paper's simulated test, evaluated both ways, and where its error comes from |
-//! | [`measured`] | tables 4 and 5 from tables 1 to 3; the ambient temperature that the paper does not print |
-//! | [`geometry_effect`] | what the six measured points say about λ and the chamber's shape: a hypothesis |
+//! | [`measured`] | tables 4 and 5 from tables 1 to 3; the ambient temperature not printed in the paper |
+//! | [`geometry_effect`] | dependence of λ on the chamber's shape, from the six measured points: a hypothesis |
 //!
 //! Source: J. F. Carneiro and F. Gomes de Almeida (2006), DOI 10.1243/09596518JSCE188, called "the paper".
 

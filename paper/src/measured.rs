@@ -1,10 +1,10 @@
 //! Tables 4 and 5 from tables 1 to 3, and the ambient temperature of the experiments, which the paper does not print.
 //!
-//! One Tamb for all six tests, by weighted least squares over what table 4 prints and Tamb moves: the mean
-//! temperatures (∝ Tamb) and the masses (∝ 1/Tamb). Dead volumes, areas and mean pressures do not depend on it. Weights come
-//! from the printed digits (standard deviation of a last place: 1/√12 of it, inputs and outputs alike); where the six tests
-//! scatter more than that, the interval is widened by √(χ²/(n − 1)), n the number of tests: a test's mass adds next to
-//! nothing to what its mean temperature says.
+//! One Tamb for all six tests, by weighted least squares over the printed values of table 4 that depend on it: the mean
+//! temperatures (∝ Tamb) and the masses (∝ 1/Tamb). Dead volumes, areas and mean pressures do not depend on it. Weights follow
+//! from the printed digits (standard deviation 1/√12 of a unit in the last place, for inputs and outputs alike); if the six tests
+//! scatter more than that, the interval is widened by √(χ²/(n − 1)), with n the number of tests, because a test's mass adds
+//! almost no information to its mean temperature.
 
 use super::Error;
 use super::exact_regression;
@@ -22,24 +22,24 @@ pub struct AmbientTemperature {
     /// Its standard error, K.
     #[serde(skip)]
     pub standard_error_k: f64,
-    /// √(χ²/(n − 1)), n the number of tests: how much more the printed numbers scatter than their digits explain.
+    /// √(χ²/(n − 1)), n the number of tests: scatter of the printed numbers relative to that explained by their digits.
     pub scatter_over_rounding: f64,
-    /// For each test what its mean temperature alone says, K.
+    /// Estimate from the mean temperature alone, for each test, K.
     pub by_mean_temperature_k: Vec<f64>,
-    /// For each test what its mass alone says, K.
+    /// Estimate from the mass alone, for each test, K.
     pub by_mass_k: Vec<f64>,
 }
 
-/// A measured test and what the steps make of it.
+/// A measured test and its evaluation.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// What the paper measured.
     pub test: MeasuredTest,
-    /// What is known of cylinder and surroundings.
+    /// Known data of cylinder and surroundings.
     pub setup: Setup,
-    /// Steps 2 to 7; the intervals are those of the printed digits and of the inferred ambient temperature.
+    /// Steps 2 to 7; the intervals reflect the printed digits and the inferred ambient temperature.
     pub steps: Steps<Estimate>,
-    /// λ0 by the exact decay behind the printed regression, for holds of 5 and of 10 time constants, W/(m² K).
+    /// λ0 from the exact decay behind the printed regression, for holds of 5 and of 10 time constants, W/(m² K).
     pub exact_coefficient_0_w_per_m2_k: [f64; 2],
 }
 
@@ -79,7 +79,7 @@ impl MeasuredTest {
         }
     }
 
-    /// Steps with the intervals that the printed digits leave, at an ambient temperature, K, and its standard error, K.
+    /// Steps with intervals from the printed digits, for an ambient temperature, K, and its standard error, K.
     fn steps(&self, ambient_k: f64, error_k: f64) -> Result<Steps<Estimate>, Error> {
         let setup = Setup::air(self.bore_m, ambient_k);
         steps_with_intervals(&setup, &self.push(), &self.regression(), &self.uncertainty(error_k))
@@ -89,11 +89,11 @@ impl MeasuredTest {
 /// Infers Tamb from tables 2 to 4.
 ///
 /// # Errors
-/// Tables that do not fit together.
+/// If the tables are inconsistent.
 pub fn ambient_temperature(tests: &[MeasuredTest]) -> Result<AmbientTemperature, Error> {
     const GUESS_K: f64 = 300.0;
     let table = Table::parse(TABLE_4)?;
-    // For each printed number the Tamb it asks for and that number's relative standard deviation.
+    // For each printed number, the Tamb it implies and that number's relative standard deviation.
     let mut asked: Vec<(f64, f64)> = Vec::new();
     let (mut by_mean_temperature_k, mut by_mass_k) = (Vec::new(), Vec::new());
     for test in tests {
@@ -131,7 +131,7 @@ pub fn ambient_temperature(tests: &[MeasuredTest]) -> Result<AmbientTemperature,
 /// Evaluates the six tests at the inferred ambient temperature.
 ///
 /// # Errors
-/// Tables that do not fit together.
+/// If the tables are inconsistent.
 pub fn reproduce() -> Result<Measured, Error> {
     let tests = measured_tests()?;
     let ambient = ambient_temperature(&tests)?;
@@ -158,7 +158,7 @@ impl Row {
         self.steps.final_volume_m3.value / self.steps.area_m2.value
     }
 
-    /// Our number for a column of tables 4 and 5, in that column's unit.
+    /// Our value for a column of tables 4 and 5, in that column's unit.
     pub fn column(&self, name: &str) -> Option<f64> {
         let s = &self.steps;
         Some(match name {

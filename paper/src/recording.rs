@@ -1,27 +1,27 @@
 //! Finds rest, push and hold in the recording of a push-and-hold test.
 //!
-//! The piston is at its final position where it deviates from it by no more than in the last quarter of the recording,
-//! which must be part of the hold; the start is told from the initial position by the same measure. A noisy or
-//! quantised position so brings its own tolerance.
+//! The piston counts as at its final position where it deviates from it by no more than in the last quarter of the recording,
+//! which must be part of the hold; its departure from the initial position is detected with the same tolerance. A noisy or
+//! quantised position thus sets its own tolerance.
 
 use super::Error;
 
-/// A travel up to this, m, is a held piston.
+/// Travel up to which the piston counts as held, m.
 const LEAST_TRAVEL_M: f64 = 1e-4;
-/// A hold whose deviation is more than the travel by this factor is none.
+/// In a valid hold, the travel exceeds the deviation by this factor.
 const TRAVEL_OVER_DEVIATION: f64 = 20.0;
-/// How far beyond begin and end a push may overshoot, as a share of its travel.
+/// Allowed overshoot of a push beyond start and end, as a fraction of its travel.
 const REBOUND: f64 = 0.25;
-/// A piston has left its start, and is not yet at its end, by more than this share of the travel.
+/// A piston is under way if it is farther from start and end than this fraction of the travel.
 const BEGUN: f64 = 0.05;
-/// A piston that moves by no more than this share of the travel ...
+/// A piston that moves by at most this fraction of the travel ...
 const REST_TRAVEL: f64 = 0.02;
-/// ... over so many rows ...
+/// ... over this many rows ...
 const REST_ROWS: usize = 10;
-/// ... and this share of the time on its way rests there.
+/// ... and this fraction of the time under way is at rest there.
 const REST_SHARE: f64 = 0.5;
 
-/// A recorded push-and-hold test: SI units, absolute pressure, one entry for each row.
+/// A recorded push-and-hold test: SI units, absolute pressure, one entry per row.
 #[derive(Clone, Copy, Debug)]
 pub struct Recording<'a> {
     /// Time, s, increasing.
@@ -32,7 +32,7 @@ pub struct Recording<'a> {
     pub position_m: &'a [f64],
 }
 
-/// What the evaluations need of a recording.
+/// Data of a recording used by the evaluations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relaxation {
     /// Mean pressure before the first movement, Pa.
@@ -43,19 +43,19 @@ pub struct Relaxation {
     pub initial_position_m: f64,
     /// Mean position of the hold, m.
     pub final_position_m: f64,
-    /// First row at rest again.
+    /// First row of the hold.
     pub stop_row: usize,
-    /// Times from the pressure's extreme after the stop on, s.
+    /// Times from the pressure's extreme after the stop, s.
     pub time_s: Vec<f64>,
     /// Pressures of those rows, Pa.
     pub pressure_pa: Vec<f64>,
 }
 
 impl Recording<'_> {
-    /// The hold, from the pressure's extreme (its peak, for an expansion its dip) on.
+    /// The hold, from the pressure's extreme (a maximum, for an expansion a minimum).
     ///
     /// # Errors
-    /// Numbers that cannot be a recording, or a motion that is not push and hold.
+    /// For invalid numbers, or a motion that is not push and hold.
     pub fn relaxation(&self) -> Result<Relaxation, Error> {
         self.check()?;
         let n = self.time_s.len();
@@ -78,7 +78,7 @@ impl Recording<'_> {
         if is_interrupted(&self.time_s[moving.clone()], &self.position_m[moving], tolerance_m) {
             return Err(Error::SeveralMoves);
         }
-        // A record that starts at rest has its last row of rest at the moment the push begins.
+        // In a record that starts at rest, the last row of rest is where the push begins.
         let (initial_pressure_pa, initial_pressure_error_pa) = mean_and_error(&self.pressure_pa[..rest]);
         let initial_position_m = mean(&self.position_m[..rest]);
         let from = self.extreme_row(stop_row, initial_pressure_pa);
@@ -93,7 +93,7 @@ impl Recording<'_> {
         })
     }
 
-    /// Where the pressure of the hold is farthest from the initial one.
+    /// Row of the hold whose pressure is farthest from the initial one.
     fn extreme_row(&self, stop_row: usize, initial_pressure_pa: f64) -> usize {
         let distance = |row: &usize| (self.pressure_pa[*row] - initial_pressure_pa).abs();
         (stop_row..self.time_s.len()).rev().max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(stop_row)
@@ -123,7 +123,7 @@ impl Recording<'_> {
     }
 }
 
-/// Whether what lies between rest and hold is more than one move: the piston turns back, or rests on its way.
+/// Whether there is more than one move between rest and hold: the piston turns back, or rests on its way.
 fn is_interrupted(time_s: &[f64], position_m: &[f64], tolerance_m: f64) -> bool {
     let (Some(first), Some(last)) = (position_m.first(), position_m.last()) else { return false };
     let travel = last - first;
@@ -170,7 +170,7 @@ fn largest_deviation(values: &[f64], from: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Rest of 0.5 s, push of 0.1 s, hold; the position is known to `grain`.
+    /// Rest of 0.5 s, push of 0.1 s, hold; the position is quantised to `grain`.
     fn push(grain: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let t: Vec<f64> = (0..300).map(|i| i as f64 * 0.01).collect();
         let x: Vec<f64> = t
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn two_moves_are_no_push_and_hold() {
         let strokes: [fn(f64) -> f64; 3] = [
-            // There and back; in two stages; there, and half of it back.
+            // There and back; in two stages; there and half of the way back.
             |t| ramp(t, 0.5) - ramp(t, 1.2),
             |t| 0.5 * (ramp(t, 0.5) + ramp(t, 1.2)),
             |t| ramp(t, 0.5) - 0.5 * ramp(t, 1.2),
@@ -237,7 +237,7 @@ mod tests {
         }
     }
 
-    /// A move of 0.1 s from that time on, as a share of itself.
+    /// Progress of a move of 0.1 s that starts at `from`, 0 to 1.
     fn ramp(t: f64, from: f64) -> f64 {
         ((t - from) / 0.1).clamp(0.0, 1.0)
     }

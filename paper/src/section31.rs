@@ -1,13 +1,13 @@
-//! Section 3.1 of the paper: a simulated push-and-hold test, evaluated as published, and where its 1.3 % error comes from.
+//! Section 3.1 of the paper: a simulated push-and-hold test, evaluated as published, and the origin of its 1.3 % error.
 //!
-//! The paper simulates the cylinder with the lateral area of the swept length ([`AreaLaw::Swept`]) and evaluates with
-//! (27) ([`AreaLaw::Total`]). So two errors meet, in λ0 relative to the truth:
+//! The paper simulates the cylinder with the lateral area of the swept length ([`AreaLaw::Swept`]) and evaluates with (27)
+//! ([`AreaLaw::Total`]). Two relative errors of λ0 therefore combine:
 //!
-//! - `bias_fit`: an exponential is fitted to what is really exponential in 1 − Pf/P, with one area in both places;
-//! - `bias_area`: the dead volume's lateral area is counted in the evaluation only.
+//! - `bias_fit`: an exponential is fitted although 1 − Pf/P is the exponential, with the same area in both places;
+//! - `bias_area`: the dead volume's lateral area is counted only in the evaluation.
 //!
-//! The simulation is the closed form of ramp and hold ([`chamber::exact`]). The paper prints neither the push's duration,
-//! the hold's nor the sampling rate; [`Timing::default`] says what stands for them.
+//! The simulation uses the closed form of ramp and hold ([`chamber::exact`]). The paper prints neither the durations of push and
+//! hold nor the sampling rate; [`Timing::default`] has assumed values.
 
 use super::tables::{SECTION_31, Table};
 use super::time_constant::{self, Setup, TimeConstant};
@@ -16,7 +16,7 @@ use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use serde::Serialize;
 
-/// What the paper does not print about the test's timing.
+/// Timing of the test, which the paper does not print.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// Duration of the linear push, s.
@@ -28,13 +28,13 @@ pub struct Timing {
 }
 
 impl Default for Timing {
-    /// A push of 0.04 s, whose regression has the printed ΔP, 5 s of hold as in the paper's figure, 100 Hz.
+    /// A push of 0.04 s, whose regression has the printed ΔP, a hold of 5 s as in the paper's figure, 100 Hz.
     fn default() -> Self {
         Self { push_s: 0.04, hold_s: 5.0, sample_rate_hz: 100.0 }
     }
 }
 
-/// The test as the paper's table of section 3.1 describes it. SI units.
+/// The test as described in the paper's table of section 3.1. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Description {
     /// Initial pressure, Pa: that of the surroundings.
@@ -61,7 +61,7 @@ impl Description {
     /// From the embedded table.
     ///
     /// # Errors
-    /// A table without one of the symbols.
+    /// If the table lacks one of the symbols.
     pub fn of_the_paper() -> Result<Self, Error> {
         let table = Table::parse(SECTION_31)?;
         let value = |symbol: &str| -> Result<f64, Error> {
@@ -85,7 +85,7 @@ impl Description {
         })
     }
 
-    /// What an evaluation knows of it.
+    /// Data known to an evaluation.
     pub fn setup(&self, area_law: AreaLaw) -> Setup {
         let air = Setup::air(self.bore_m, self.ambient_temperature_k);
         Setup {
@@ -96,7 +96,7 @@ impl Description {
         }
     }
 
-    /// The cylinder with that area law.
+    /// The cylinder with this area law.
     pub fn chamber(&self, area_law: AreaLaw) -> Chamber {
         let heat_transfer = HeatTransfer {
             coefficient: self.coefficient_w_per_m2_k,
@@ -118,7 +118,7 @@ impl Description {
         for row in 0..=rows {
             let t = row as f64 / timing.sample_rate_hz;
             let share = (t / timing.push_s).min(1.0);
-            // A row within rounding of the stop belongs to the hold.
+            // A row within rounding of the stop counts as part of the hold.
             let held = share >= 1.0 - 1e-12;
             let x = if held { x1 } else { x0 + (x1 - x0) * share };
             let temperature = match (row, held) {
@@ -152,29 +152,29 @@ impl Columns {
     }
 }
 
-/// A quantity of section 3.1, the paper's beside ours, in the paper's unit.
+/// A quantity of section 3.1, the paper's value and ours, in the paper's unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
     /// Symbol as in the paper's table.
     pub symbol: String,
-    /// What it is.
+    /// Description.
     pub quantity: String,
     /// Unit of both numbers.
     pub unit: String,
-    /// As printed; `None` where the paper has no such number.
+    /// Printed value; `None` if the paper has no such number.
     pub paper: Option<f64>,
-    /// As computed here (inputs as given).
+    /// Computed value (for inputs, the given one).
     pub ours: f64,
 }
 
 /// Section 3.1, reproduced.
 #[derive(Clone, Debug)]
 pub struct Section31 {
-    /// Cylinder and test as the paper states them.
+    /// Cylinder and test as stated in the paper.
     pub description: Description,
     /// Durations of push and hold, and the rate of the recording.
     pub timing: Timing,
-    /// What the sensors recorded.
+    /// Sensor readings.
     pub columns: Columns,
     /// The published steps with the paper's choice of areas.
     pub published: TimeConstant,
@@ -182,18 +182,18 @@ pub struct Section31 {
     pub same_area: TimeConstant,
     /// The exact regression with the simulation's area.
     pub exact: exact_regression::ExactRegression,
-    /// Relative error of λ0 that the exponential makes.
+    /// Relative error of λ0 due to the exponential.
     pub bias_fit: f64,
-    /// Relative error of λ0 that the second area makes.
+    /// Relative error of λ0 due to the second area.
     pub bias_area: f64,
-    /// Every quantity of the paper's table, then ours that it has not.
+    /// All quantities of the paper's table, then further ones of ours.
     pub lines: Vec<Line>,
 }
 
 /// Simulates and evaluates the test of section 3.1.
 ///
 /// # Errors
-/// None but for a damaged table.
+/// Only for a damaged table.
 pub fn reproduce(timing: &Timing) -> Result<Section31, Error> {
     let description = Description::of_the_paper()?;
     let columns = description.record(AreaLaw::Swept, timing);
@@ -212,7 +212,7 @@ pub fn reproduce(timing: &Timing) -> Result<Section31, Error> {
 }
 
 impl Section31 {
-    /// The peak's excess over the settled pressure, in percent of the latter.
+    /// Excess of the peak over the settled pressure, in percent of the latter.
     fn peak_percent(&self) -> f64 {
         let peak = self.columns.pressure_pa.iter().copied().fold(0.0, f64::max);
         100.0 * (peak / self.exact.final_pressure_pa.value - 1.0)
@@ -253,7 +253,7 @@ impl Section31 {
         Ok(lines)
     }
 
-    /// λ0 by the exact regression, W/(m² K).
+    /// λ0 from the exact regression, W/(m² K).
     pub fn lambda0_exact(&self) -> f64 {
         self.exact.quantities.coefficient_0_w_per_m2_k.value
     }
@@ -374,7 +374,7 @@ mod tests {
         let [low, high] = exact.rate_per_s.ci95;
         let truth = 1.0 / 0.42286;
         assert!(high - low > 1e-3 * truth && high - low < 0.05 * truth, "{low} {high}");
-        // The initial pressure is a single row here, whose error nothing tells; the rate does not depend on it.
+        // The initial pressure is a single row here, whose error is unknown; the rate does not depend on it.
         let noise_free = d.record(AreaLaw::Total, &Timing::default());
         let rate = exact_regression::evaluate(&setup, &noise_free.recording()).unwrap().rate_per_s.value;
         assert!(low < rate && rate < high, "{low} {rate} {high}");

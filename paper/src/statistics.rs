@@ -1,8 +1,9 @@
-//! 95 % intervals of least squares estimates whose residuals are not independent.
+//! 95 % intervals of least squares estimates with correlated residuals.
 //!
 //! cov = s² τ_c (JᵀJ)⁻¹ with s² = Σr²/(n − p) and the residuals' integrated autocorrelation time
 //! τ_c = 1 + 2 Σ ρ_k, in rows, summed up to the first ρ_k ≤ 0. The interval is value ± t(97.5 %, n/τ_c − p) · σ.
-//! A residual with structure, or rows that repeat a slow sensor's last value, so widen the interval instead of narrowing it.
+//! Structured residuals, or rows that repeat the last value of a slow sensor, therefore widen the interval instead of narrowing
+//! it.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 use serde::Serialize;
@@ -30,8 +31,8 @@ const LAGS: usize = 64;
 
 /// Integrated autocorrelation time of residuals, in rows; at least 1.
 ///
-/// Residuals that remember more than [`LAGS`] rows are averaged in pairs, and again: variance × time × rows of a mean is the
-/// variance of the sum of many, whatever the rows of a mean. So the work grows as the rows do.
+/// Residuals correlated over more than [`LAGS`] rows are averaged in pairs, repeatedly: variance × time × rows of a mean is the
+/// variance of the sum of many, whatever the number of rows in a mean. The work thus grows linearly with the rows.
 fn autocorrelation_time(residuals: &[f64]) -> f64 {
     let energy = mean_square(residuals);
     if residuals.len() < 2 || energy == 0.0 {
@@ -47,7 +48,7 @@ fn autocorrelation_time(residuals: &[f64]) -> f64 {
     }
 }
 
-/// 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0; `None` where that is not among so many lags.
+/// 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0; `None` if that is not among the first `lags`.
 fn time_within(values: &[f64], lags: usize) -> Option<f64> {
     let energy: f64 = values.iter().map(|r| r * r).sum();
     let mut time = 1.0;
@@ -68,7 +69,7 @@ fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|r| r * r).sum::<f64>() / values.len() as f64
 }
 
-/// Scale of the covariance s² τ_c and the quantile that goes with it, for residuals of a fit of `parameters` numbers.
+/// Scale of the covariance, s² τ_c, and the corresponding quantile, for residuals of a fit of `parameters` numbers.
 pub fn residual_scale(residuals: &[f64], parameters: usize) -> (f64, f64) {
     let energy: f64 = residuals.iter().map(|r| r * r).sum();
     let correlation = autocorrelation_time(residuals);
@@ -82,21 +83,21 @@ pub fn student_95(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// Half width of a 95 % interval in standard errors when the scatter is known.
+/// Half width of a 95 % interval in standard errors if the variance is known.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// Standard deviation of a number printed to a unit in its last place: uniform within half that unit.
+/// Standard deviation of a printed number due to rounding to its last place: uniform within half a unit.
 pub fn rounding_deviation(last_place: f64) -> f64 {
     last_place / 12f64.sqrt()
 }
 
-/// σ of f where f's gradient and the covariance of its arguments are given.
+/// Standard deviation of f from its gradient and the covariance of its arguments.
 pub fn propagated<const N: usize>(gradient: &[f64; N], covariance: &SMatrix<f64, N, N>) -> f64 {
     let g = SVector::<f64, N>::from_row_slice(gradient);
     (g.transpose() * covariance * g)[(0, 0)].max(0.0).sqrt()
 }
 
-/// (JᵀJ)⁻¹ for three parameters, `None` where the data do not determine them.
+/// (JᵀJ)⁻¹ for three parameters; `None` if the data do not determine them.
 pub fn unscaled_covariance(normal: Matrix3<f64>) -> Option<Matrix3<f64>> {
     // Scaled to unit diagonal first: the parameters' units differ by many powers of ten.
     let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
@@ -109,7 +110,7 @@ pub fn unscaled_covariance(normal: Matrix3<f64>) -> Option<Matrix3<f64>> {
 mod tests {
     use super::*;
 
-    /// A small generator, so that the test needs no crate and repeats exactly.
+    /// A small generator, so that the test needs no crate and is reproducible.
     fn noise(n: usize) -> Vec<f64> {
         let mut state = 1u64;
         let mut uniform = || {
@@ -126,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_first_order_process_has_the_time_that_theory_gives() {
-        // The second one remembers many rows.
+        // The second process is correlated over many rows.
         for (kept, rows) in [(0.8, 200_000), (0.998, 2_000_000)] {
             let mut last = 0.0;
             let process: Vec<f64> = noise(rows)
@@ -148,7 +149,7 @@ mod tests {
         let held: Vec<f64> = plain.iter().flat_map(|r| [*r; 10]).collect();
         let (scale, _) = residual_scale(&plain, 3);
         let (held_scale, _) = residual_scale(&held, 3);
-        // Ten times the rows in JᵀJ, so ten times the scale leaves the interval as it was.
+        // JᵀJ has ten times the rows, so ten times the scale leaves the interval unchanged.
         assert!((held_scale / scale / 10.0 - 1.0).abs() < 0.1);
     }
 

@@ -2,7 +2,7 @@
 
 use super::Error;
 
-/// An embedded table as printed: a header and rows of text.
+/// An embedded table as printed: a header and rows of texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// File name of the table.
@@ -19,7 +19,7 @@ pub const TABLE_1: (&str, &str) = ("table1_actuators.csv", include_str!("../data
 const TABLE_2: (&str, &str) = ("table2_experiments.csv", include_str!("../data/table2_experiments.csv"));
 /// Table 3: the regressions.
 const TABLE_3: (&str, &str) = ("table3_regression.csv", include_str!("../data/table3_regression.csv"));
-/// Table 4: what the steps give.
+/// Table 4: results of the steps.
 pub const TABLE_4: (&str, &str) = ("table4_heat_transfer.csv", include_str!("../data/table4_heat_transfer.csv"));
 /// Table 5: λ0 over volume/area.
 pub const TABLE_5: (&str, &str) = ("table5_trend.csv", include_str!("../data/table5_trend.csv"));
@@ -46,10 +46,10 @@ impl Table {
         Ok(Self { name, columns, rows })
     }
 
-    /// The text in a row's cell.
+    /// The text of a cell.
     ///
     /// # Errors
-    /// No such column.
+    /// If there is no such column.
     pub fn text(&self, row: usize, column: &str) -> Result<&str, Error> {
         let index = self.columns.iter().position(|c| c == column);
         index.and_then(|i| self.rows.get(row)?.get(i)).map(String::as_str).ok_or_else(|| Error::Table {
@@ -59,10 +59,10 @@ impl Table {
         })
     }
 
-    /// The number in a row's cell.
+    /// The number in a cell.
     ///
     /// # Errors
-    /// No such column, or text that is no number.
+    /// If there is no such column, or the text is no number.
     pub fn number(&self, row: usize, column: &str) -> Result<f64, Error> {
         let text = self.text(row, column)?;
         text.parse().map_err(|_| Error::Table {
@@ -72,7 +72,7 @@ impl Table {
         })
     }
 
-    /// The unit in the last place of a row's printed number.
+    /// The unit in the last place of a printed number.
     ///
     /// # Errors
     /// As [`Table::number`].
@@ -89,7 +89,7 @@ fn last_place(text: &str) -> f64 {
     10f64.powi(exponent.parse::<i32>().unwrap_or(0) - decimals)
 }
 
-/// One of the six measured tests: tables 1, 2 and 3 side by side. SI units.
+/// One of the six measured tests, combined from tables 1, 2 and 3. SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredTest {
     /// 1 near ambient pressure, 2 near 3 bar.
@@ -104,13 +104,13 @@ pub struct MeasuredTest {
     pub initial_stroke_m: f64,
     /// Position of the piston after the push, m, from the end of the chamber.
     pub final_stroke_m: f64,
-    /// Pf, Pa, and what its printed digits leave open (a standard deviation).
+    /// Pf, Pa, and its standard deviation from the printed digits.
     pub final_pressure_pa: (f64, f64),
     /// ΔP, Pa, likewise.
     pub pressure_rise_pa: (f64, f64),
     /// τ, s, likewise.
     pub time_constant_s: (f64, f64),
-    /// Standard deviation that the printed digits of the initial pressure leave open, Pa.
+    /// Standard deviation of the initial pressure from its printed digits, Pa.
     pub initial_pressure_rounding_pa: f64,
 }
 
@@ -120,7 +120,7 @@ const MILLIMETRE: f64 = 1e-3;
 /// The six measured tests, in table 3's order.
 ///
 /// # Errors
-/// Tables that do not fit together.
+/// If the tables are inconsistent.
 pub fn measured_tests() -> Result<Vec<MeasuredTest>, Error> {
     let conditions = Table::parse(TABLE_2)?;
     let regressions = Table::parse(TABLE_3)?;
@@ -153,7 +153,7 @@ pub fn measured_tests() -> Result<Vec<MeasuredTest>, Error> {
 /// The row of that experiment and actuator.
 ///
 /// # Errors
-/// There is none.
+/// If there is no such row.
 pub fn row_of(table: &Table, experiment: &str, actuator: &str) -> Result<usize, Error> {
     for row in 0..table.rows.len() {
         if table.text(row, "experiment")? == experiment && table.text(row, "actuator")? == actuator {

@@ -1,9 +1,9 @@
 //! The thermal time constant method: the seven published steps, equations (20) to (31) of the paper.
 //!
-//! Step 1 is the regression P = Pf + ΔP e^(−t/τ) from the peak on; the others are [`chamber::seven_steps`].
+//! Step 1 is the regression P = Pf + ΔP e^(−t/τ) from the peak; the others are [`chamber::seven_steps`].
 //!
-//! The method is biased: what decays exponentially is 1 − Pf/P, not P − Pf (see [`section31`](super::section31)). Its
-//! intervals say how far noise moves it, not how far that bias does.
+//! The method is biased: 1 − Pf/P decays exponentially, not P − Pf (see [`section31`](super::section31)). Its intervals describe
+//! the effect of noise, not that of the bias.
 
 use super::Error;
 use super::decay::{self, Exponential, Fit};
@@ -13,7 +13,7 @@ use chamber::dual::Dual;
 pub use chamber::seven_steps::{Push, Regression, Setup, Steps, mass_and_volumes, steps};
 use nalgebra::{Matrix3, SMatrix};
 
-/// How far each input of the steps may be off.
+/// Uncertainty of each input of the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Uncertainty {
     /// Covariance of Pf, ΔP and τ.
@@ -40,10 +40,10 @@ impl Uncertainty {
     }
 }
 
-/// Steps 2 to 7 with 95 % intervals: the inputs' covariance carried through the steps' exact derivatives.
+/// Steps 2 to 7 with 95 % intervals, from the inputs' covariance and the steps' exact derivatives.
 ///
 /// # Errors
-/// Pressures and strokes that contradict each other.
+/// If pressures and strokes contradict each other.
 pub fn steps_with_intervals(
     setup: &Setup,
     push: &Push,
@@ -67,7 +67,7 @@ pub fn steps_with_intervals(
     Ok(found.map(|number| uncertainty.estimate(number)))
 }
 
-/// Every quantity of the setup is positive and finite.
+/// Checks that every quantity of the setup is positive and finite.
 pub(super) fn check_setup(setup: &Setup) -> Result<(), Error> {
     for (quantity, value) in [
         ("the bore in m", setup.geometry.bore),
@@ -83,7 +83,7 @@ pub(super) fn check_setup(setup: &Setup) -> Result<(), Error> {
     Ok(())
 }
 
-/// A closed chamber at one temperature has more pressure in less volume, and some volume left.
+/// Checks that the pressure rises as the volume falls, as in a closed chamber at one temperature, and that some volume is left.
 pub(super) fn check_push(setup: &Setup, push: &Push, final_pressure_pa: f64) -> Result<(), Error> {
     let [mass, _, volume] = mass_and_volumes(setup, setup.ambient_temperature_k, push, final_pressure_pa);
     if mass > 0.0 && mass.is_finite() && volume > 0.0 {
@@ -100,20 +100,20 @@ pub(super) fn check_push(setup: &Setup, push: &Push, final_pressure_pa: f64) -> 
 /// The method on a recording.
 #[derive(Clone, Debug)]
 pub struct TimeConstant {
-    /// Push and hold as found in it.
+    /// Push and hold found in it.
     pub relaxation: Relaxation,
     /// Step 1, with intervals.
     pub regression: Regression<Estimate>,
     /// Steps 2 to 7, with intervals.
     pub steps: Steps<Estimate>,
-    /// The fit behind them.
+    /// The underlying fit.
     pub fit: Fit,
 }
 
 /// Evaluates a recording by the seven steps.
 ///
 /// # Errors
-/// A recording that is not a push-and-hold test of a closed chamber.
+/// For a recording that is not a push-and-hold test of a closed chamber.
 pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<TimeConstant, Error> {
     let relaxation = recording.relaxation()?;
     let fit = decay::fit::<Exponential>(&relaxation.time_s, &relaxation.pressure_pa)?;
@@ -136,7 +136,7 @@ pub fn evaluate(setup: &Setup, recording: &Recording) -> Result<TimeConstant, Er
 }
 
 impl Relaxation {
-    /// Begin and end of the push as the steps need them.
+    /// Start and end of the push, for the steps.
     pub fn push(&self) -> Push {
         Push {
             initial_pressure_pa: self.initial_pressure_pa,

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Files written whole or not at all.
 
 use crate::error::Error;
 use crate::unfinished::Unfinished;
@@ -6,18 +6,18 @@ use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Temporary files that are being written.
+/// Temporary files in progress.
 static UNFINISHED: Unfinished = Unfinished::new();
 
-/// Removes what is half written: for a program that is interrupted, and ends.
+/// Removes temporary files in progress, for a program that ends on an interrupt.
 pub fn remove_unfinished() {
     UNFINISHED.remove();
 }
 
-/// Writes `bytes` to `path`: to a temporary name in the same folder, synced, then renamed. A reader sees the old file
-/// or the new one, never a part; on failure the old file stays and nothing is left behind.
+/// Writes `bytes` to `path`: to a temporary name in the same folder, synced, then renamed. A reader sees the old file or the new
+/// one, never a part; on failure the old file remains and nothing else.
 ///
-/// A link is followed, a write-protected file refused. What is no file (a device, a pipe) is written to as it is.
+/// Follows a link; refuses a write-protected file. Writes directly to anything that is not a regular file (a device, a pipe).
 ///
 /// # Errors
 /// [`Error::Write`] with the system's reason.
@@ -25,11 +25,11 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-/// Finds out whether [`write_atomically`] can write to `path`, before the work whose result it takes: a file beside it is made and
-/// removed. What stands at `path` stays.
+/// Checks that [`write_atomically`] can write to `path`, before the work that produces the content: creates and removes a file
+/// beside it. An existing file at `path` is not touched.
 ///
 /// # Errors
-/// [`Error::Write`] as it would be after the work.
+/// [`Error::Write`] as after the work.
 pub fn check_writable(path: &Path) -> Result<(), Error> {
     try_beside(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
@@ -43,7 +43,7 @@ fn try_beside(path: &Path) -> io::Result<()> {
     std::fs::remove_file(&temporary)
 }
 
-/// What stands at `path`, if it may be replaced or written to.
+/// Metadata of what exists at `path`, if it may be replaced or written to.
 fn replaced(path: &Path) -> io::Result<Option<Metadata>> {
     let old = std::fs::metadata(path).ok();
     match &old {
@@ -55,7 +55,7 @@ fn replaced(path: &Path) -> io::Result<Option<Metadata>> {
     }
 }
 
-/// The file that a link leads to.
+/// The target of a link.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     if path.is_symlink() { std::fs::canonicalize(path) } else { Ok(path.to_owned()) }
 }
@@ -63,13 +63,13 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let old = replaced(path)?;
     if old.as_ref().is_some_and(|old| !old.is_file()) {
-        // Renaming would replace the device itself.
+        // Renaming would replace the device.
         return File::options().write(true).open(path)?.write_all(bytes);
     }
     let path = followed(path)?;
     let temporary = temporary_beside(&path)?;
     let _unfinished = UNFINISHED.begin(&temporary);
-    // Locked until it has its name: one that nobody has locked was left by a process that was killed.
+    // Locked until renamed: an unlocked temporary file was left by a killed process.
     let result = fill(&temporary, bytes).and_then(|_locked| {
         if let Some(old) = old {
             std::fs::set_permissions(&temporary, old.permissions())?;
@@ -84,7 +84,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 fn fill(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let mut file = File::create_new(path)?;
-    // Some file systems know no locks; their files are written all the same.
+    // Some file systems have no locks; the file is written anyway.
     let _ = file.lock();
     file.write_all(bytes)?;
     file.sync_all()?;

@@ -1,7 +1,7 @@
-//! TOML files read with care: every complaint names file, line and key, unknown keys the nearest known one.
+//! Checked reading of TOML files: errors name file, line and key; for an unknown key, the nearest known one.
 //!
-//! A [`Document`] is the parsed file, a [`Table`] a view on one of its tables. A reader first declares the keys that a
-//! table may have ([`Table::allow`]), then asks for them by type and [`Bounds`](crate::key::Bounds).
+//! A [`Document`] is the parsed file, a [`Table`] a view of one of its tables. A reader first declares the keys that a table may
+//! have ([`Table::allow`]), then requests them by type and [`Bounds`](crate::key::Bounds).
 
 use crate::error::Error;
 use crate::format::Format;
@@ -15,29 +15,29 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// Larger than any file typed by a person.
+/// Larger than any file typed by a person, bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// How much of a file that is no TOML is looked at for a trace's rows, bytes ...
+/// How much of an invalid TOML file is searched for the rows of a trace, bytes ...
 const HEAD_BYTES: usize = 1 << 16;
 /// ... and lines.
 const HEAD_LINES: usize = 200;
-/// So many rows of numbers are those of a trace.
+/// Rows of numbers from which on a file counts as a trace.
 const FEW_ROWS: usize = 3;
 
-/// What a TOML file is expected to be.
+/// The kind of TOML file expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A rig file.
     Rig,
     /// A model file.
     Model,
-    /// Any of them.
+    /// Any kind.
     Any,
 }
 
 impl Kind {
-    /// What is expected, where something else stands.
+    /// What is expected, for an error message.
     fn words(self) -> &'static str {
         match self {
             Kind::Rig => "a rig file (TOML) that names it is expected here, and `pneutherm look` writes one",
@@ -65,7 +65,7 @@ fn has_decimal_comma(line: &str) -> bool {
 }
 
 impl Document {
-    /// Reads and parses the file, of whatever kind it is.
+    /// Reads and parses a file of any kind.
     ///
     /// # Errors
     /// [`Error::Read`], [`Error::Syntax`] or [`Error::IsTrace`].
@@ -73,7 +73,7 @@ impl Document {
         Self::read_as(Kind::Any, path)
     }
 
-    /// Reads and parses a file of that kind.
+    /// Reads and parses a file of the given kind.
     ///
     /// # Errors
     /// As [`Document::read`].
@@ -96,7 +96,7 @@ impl Document {
         let lines = Lines::of(&text);
         let parsed = DeTable::parse(&text).map_err(|error| {
             let (line, column) = lines.line_and_column(&text, error.span().map_or(0, |span| span.start));
-            // The parser's message may span lines; a sentence does not.
+            // The parser's message may span lines; an error message is one sentence.
             let mut message = error.message().lines().map(str::trim).collect::<Vec<_>>().join(", ");
             let source = text.lines().nth(line - 1).unwrap_or("");
             if source.split('#').next().unwrap_or("").trim() == "[experiment]" && message.contains("duplicate") {
@@ -114,14 +114,14 @@ impl Document {
         Ok(Self { path: path.to_owned(), text, root })
     }
 
-    /// A document that is no file's text: a program gives its content, and no complaint about it names a line. `path` stands
-    /// for it in complaints; paths in it are relative to the folder of `path`.
+    /// A document whose content comes from a program, not a file: errors name no line. `path` represents it in error messages;
+    /// paths in it are relative to the folder of `path`.
     pub fn from_table(path: &Path, table: &toml::Table) -> Self {
         let root = values(table, "");
         Self { path: path.to_owned(), text: table.to_string(), root }
     }
 
-    /// Path of the file, as it was given; for content without a file, a name that stands for it.
+    /// Path of the file, as given; for content without a file, the name that represents it.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -138,10 +138,10 @@ impl Document {
     }
 }
 
-/// The bytes of a settings file; of one that has more than a person types (a device without end, say), one too many.
+/// The bytes of a settings file, at most one more than [`MAX_BYTES`], as from an endless device.
 ///
 /// # Errors
-/// Besides the system's reasons: a folder.
+/// The system's errors, and a folder.
 fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     if std::fs::metadata(path)?.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, a TOML file is expected"));
@@ -154,7 +154,7 @@ fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
 /// The text of a settings file.
 ///
 /// # Errors
-/// More bytes than a person types, no UTF-8.
+/// More than [`MAX_BYTES`] bytes, or invalid UTF-8.
 fn text_of(bytes: &[u8]) -> io::Result<String> {
     let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
     if bytes.len() as u64 > MAX_BYTES {
@@ -167,7 +167,7 @@ fn text_of(bytes: &[u8]) -> io::Result<String> {
     })
 }
 
-/// Whether a file that is no TOML is a trace, by its name or by rows of numbers at its beginning.
+/// Whether an invalid TOML file is a trace, by its name or by rows of numbers at its start.
 fn is_trace(path: &Path, bytes: &[u8]) -> bool {
     let ends_in = |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     ends_in("csv")
@@ -183,12 +183,12 @@ fn has_rows_of_numbers(head: &str) -> bool {
     sample.numbers.iter().filter(|column| column.len() >= FEW_ROWS).count() >= 2
 }
 
-/// A key with the tables it stands in.
+/// A key with the names of its enclosing tables.
 fn dotted(prefix: &str, key: &str) -> String {
     if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") }
 }
 
-/// The entries of a table that is no file's text.
+/// Entries of a table that was not parsed from a file.
 fn values(table: &toml::Table, prefix: &str) -> Vec<Entry> {
     let entry = |(key, value): (&String, &toml::Value)| {
         let name = dotted(prefix, key);
@@ -228,16 +228,16 @@ fn list(array: &DeArray<'_>, name: &str, lines: &Lines) -> Vec<(usize, Value)> {
     array.iter().map(|item| (lines.line(item.span().start), convert(item.get_ref(), name, lines))).collect()
 }
 
-/// The value of the key with that dotted name.
+/// The value of the key with this dotted name.
 fn convert(value: &DeValue<'_>, name: &str, lines: &Lines) -> Value {
     match value {
         DeValue::String(text) => Value::Text(text.clone().into_owned()),
         DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
             Ok(integer) => Value::Integer(integer),
-            // Beyond 64 bits: as near as a float comes.
+            // Beyond 64 bits: the nearest float.
             Err(_) => Value::Number(number.as_str().parse().unwrap_or(f64::INFINITY)),
         },
-        // The parser has checked the form; what Rust reads otherwise is not finite, and refused as such.
+        // The parser has checked the form; anything Rust cannot parse becomes non-finite and is refused as such.
         DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(flag) => Value::Flag(*flag),
         DeValue::Datetime(date) => Value::Date(date.to_string()),
@@ -246,7 +246,7 @@ fn convert(value: &DeValue<'_>, name: &str, lines: &Lines) -> Value {
     }
 }
 
-/// Where lines begin.
+/// Byte offsets of the starts of lines.
 struct Lines(Vec<usize>);
 
 impl Lines {
@@ -254,7 +254,7 @@ impl Lines {
         Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
     }
 
-    /// The line of that byte, from 1.
+    /// The line of a byte offset, from 1.
     fn line(&self, at: usize) -> usize {
         self.0.partition_point(|start| *start <= at).max(1)
     }

@@ -1,7 +1,7 @@
 //! An effect's table in a model file: its numbers by key, its choices as words, its lists.
 //!
-//! A number that is left out is neutral. Words and lists of an effect cannot be left out, and its lists belong together:
-//! they have the same length. A list shorter than its places repeats its last number in the rest of them.
+//! An omitted number is neutral. Words and lists of an effect are required, and its lists have the same length. A list shorter
+//! than its capacity repeats its last number in the unused entries.
 
 use crate::error::Error;
 use crate::key::Bounds;
@@ -15,7 +15,7 @@ pub fn write(out: &mut String, card: &Card, values: &[f64]) -> std::fmt::Result 
     for (place, (parameter, value)) in card.parameters.iter().zip(values).enumerate() {
         match parameter.kind {
             Kind::Number => writeln!(out, "{} = {}", parameter.key(), number(*value))?,
-            // A number that is no word's is written as it is, and refused when read back.
+            // A number that encodes no word is written as it is, and refused when read back.
             Kind::Word(words) => match words.get((*value as usize).wrapping_sub(1)) {
                 Some(word) => writeln!(out, "{} = {}", parameter.name, quoted(word))?,
                 None => writeln!(out, "{} = {}", parameter.name, number(*value))?,
@@ -34,7 +34,7 @@ pub fn write(out: &mut String, card: &Card, values: &[f64]) -> std::fmt::Result 
 /// Reads an effect's table.
 ///
 /// # Errors
-/// An unknown key, a number out of its bounds, an unknown word, lists that do not go together.
+/// An unknown key or word, a number out of bounds, or inconsistent lists.
 pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Error> {
     let keys: Vec<String> = card.parameters.iter().map(key_of_file).collect();
     table.allow(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
@@ -64,7 +64,7 @@ pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Er
     (card.check)(values).map_err(|problem| table.contradiction(&keys[0], problem))
 }
 
-/// The key that holds a parameter: that of its list, for a place.
+/// The key that holds a parameter: for a list entry, that of its list.
 fn key_of_file(parameter: &Parameter) -> String {
     match parameter.kind {
         Kind::Place { .. } => parameter.name.to_owned(),
@@ -72,13 +72,13 @@ fn key_of_file(parameter: &Parameter) -> String {
     }
 }
 
-/// The number of a word, from one.
+/// Index of a word, from one.
 fn word(table: &Table<'_>, key: &str, words: &[&str]) -> Result<f64, Error> {
     let numbered: Vec<(&str, f64)> = words.iter().zip(1u8..).map(|(word, n)| (*word, f64::from(n))).collect();
     table.choice(key, &numbered)?.ok_or_else(|| table.missing(key, &format!("one of {}", words.join(", "))))
 }
 
-/// A list of one to so many numbers.
+/// A list of one to `places` numbers.
 fn list(table: &Table<'_>, parameter: &Parameter, places: usize, rising: bool) -> Result<Vec<f64>, Error> {
     let (key, bounds) = (parameter.name, Bounds::Within(parameter.bounds.clone(), ""));
     let expected = format!("a list of 1 to {places} numbers");

@@ -1,12 +1,12 @@
-//! One key of a TOML file with its value, asked for by type and [`Bounds`]; every complaint names file, line and key.
+//! One key of a TOML file and its value, read by type and [`Bounds`]; every error names file, line and key.
 
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
 use crate::value::{Entry, Value};
 use std::path::Path;
 
-/// A view on one key of a [`Document`](crate::document::Document). Whatever is asked of it is refused where its value is of another
-/// type, a number out of its bounds, or a word none of those known.
+/// A view of one key of a [`Document`](crate::document::Document). Its methods refuse a value of another type, a number out of
+/// bounds, or an unknown word.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'d> {
     pub(crate) path: &'d Path,
@@ -18,28 +18,28 @@ impl<'d> Field<'d> {
         Self { path, entry }
     }
 
-    /// The key, without the tables it stands in.
+    /// The key, without its enclosing tables.
     pub fn key(&self) -> &'d str {
         &self.entry.key
     }
 
-    /// Line of the key, counted from 1; 0 where the content comes from no file.
+    /// Line of the key, counted from 1; 0 for content without a file.
     pub fn line(&self) -> usize {
         self.entry.line
     }
 
-    /// A complaint about the key, at its line.
+    /// An error about the key, at its line.
     pub fn refuse(&self, problem: KeyProblem) -> Error {
         let (path, line, key) = (self.path.to_owned(), self.entry.line, self.entry.name.clone());
         Error::Key { path, line, key, problem: Box::new(problem) }
     }
 
-    /// A number, an integer included.
+    /// The value as a number; integers are accepted.
     pub fn number(&self, bounds: &Bounds) -> Result<f64, Error> {
         self.checked(&self.entry.value, bounds)
     }
 
-    /// A whole number of `least` or above.
+    /// The value as a whole number of at least `least`.
     pub fn whole(&self, least: u64) -> Result<u64, Error> {
         let expected = match least {
             0 => "a whole number, zero or above".to_owned(),
@@ -54,12 +54,12 @@ impl<'d> Field<'d> {
         }
     }
 
-    /// A list of numbers.
+    /// The value as a list of numbers.
     pub fn numbers(&self, bounds: &Bounds) -> Result<Vec<f64>, Error> {
         self.list("a list of numbers")?.iter().map(|(_, item)| self.checked(item, bounds)).collect()
     }
 
-    /// A list of lists of numbers.
+    /// The value as a list of lists of numbers.
     pub fn rows_of_numbers(&self, bounds: &Bounds) -> Result<Vec<Vec<f64>>, Error> {
         let expected = "a list of lists of numbers";
         let row = |(_, row): &(usize, Value)| match row {
@@ -82,7 +82,7 @@ impl<'d> Field<'d> {
         matches!(self.entry.value, Value::Text(_))
     }
 
-    /// A list of texts.
+    /// The value as a list of texts.
     pub fn texts(&self) -> Result<Vec<&'d str>, Error> {
         let expected = "a list of texts in quotes";
         let text = |(_, item): &'d (usize, Value)| match item {
@@ -92,12 +92,12 @@ impl<'d> Field<'d> {
         self.list(expected)?.iter().map(text).collect()
     }
 
-    /// One of several words.
+    /// The value as one of several words.
     pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T, Error> {
         self.chosen(self.text()?, choices)
     }
 
-    /// A list of such words.
+    /// The value as a list of such words.
     pub fn choices<T: Copy>(&self, choices: &[(&str, T)]) -> Result<Vec<T>, Error> {
         self.texts()?.into_iter().map(|text| self.chosen(text, choices)).collect()
     }
@@ -107,7 +107,7 @@ impl<'d> Field<'d> {
         found.ok_or_else(|| self.refuse(KeyProblem::unknown_name(text, choices.iter().map(|(word, _)| *word))))
     }
 
-    /// `true` or `false`.
+    /// The value as `true` or `false`.
     pub fn flag(&self) -> Result<bool, Error> {
         match &self.entry.value {
             Value::Flag(flag) => Ok(*flag),
@@ -115,7 +115,7 @@ impl<'d> Field<'d> {
         }
     }
 
-    /// A complaint that the value is not what is `expected`.
+    /// An error that the value is not what is `expected`.
     pub fn not(&self, expected: &str) -> Error {
         self.wrong_type(expected, &self.entry.value)
     }

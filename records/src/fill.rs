@@ -1,7 +1,7 @@
-//! Rows of a column between those that have a value of their own.
+//! Fills rows of a column between those with known values.
 
-/// Joins the rows given, ascending, by straight lines and gives those beyond them the nearest one's value; leaves a column as it
-/// is where none is given.
+/// Interpolates linearly between the given rows, ascending, and extends the first and last value to the rows beyond; leaves the
+/// column unchanged if no row is given.
 pub fn fill_between(given: &[usize], column: &mut [f64]) {
     let (Some(&first), Some(&last)) = (given.first(), given.last()) else { return };
     for pair in given.windows(2) {

@@ -1,19 +1,19 @@
-//! The `[format]` table of a rig file: how the text of a trace file is written. What it leaves out is found in the file.
+//! The `[format]` table of a rig file: the text format of a trace file. Omitted keys are detected from the file.
 
 use crate::error::Error;
 use crate::table::Table;
 
-/// What stands between the columns of a row.
+/// Separator between the columns of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
-    /// This byte between two fields: a comma, a semicolon, a tab.
+    /// One byte: a comma, a semicolon or a tab.
     Byte(u8),
-    /// Any number of blanks and tabs. A header that has commas is split at those.
+    /// Any number of blanks and tabs. A header that contains commas is split at those.
     Whitespace,
 }
 
 impl Separator {
-    /// All of them by name, in the order in which they are looked for.
+    /// All separators with their names, in the order in which they are tried.
     pub const ALL: [(&'static str, Separator); 4] = [
         ("tab", Separator::Byte(b'\t')),
         (";", Separator::Byte(b';')),
@@ -27,7 +27,7 @@ impl Separator {
     }
 }
 
-/// What stands before a number's decimals.
+/// Decimal sign of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decimal {
     /// `0.5`
@@ -37,30 +37,30 @@ pub enum Decimal {
 }
 
 impl Decimal {
-    /// Both, by what stands in a rig file.
+    /// Both, with their notation in a rig file.
     pub const ALL: [(&'static str, Decimal); 2] = [(".", Decimal::Point), (",", Decimal::Comma)];
 
-    /// What stands in a rig file.
+    /// Its notation in a rig file.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].0
     }
 }
 
-/// How characters are written as bytes.
+/// Character encoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// UTF-8, ASCII among it.
+    /// UTF-8, including ASCII.
     Utf8,
     /// ISO 8859-1 as Windows extends it (code page 1252).
     Latin1,
-    /// UTF-16, the less significant byte first.
+    /// UTF-16, little-endian.
     Utf16Le,
-    /// UTF-16, the more significant byte first.
+    /// UTF-16, big-endian.
     Utf16Be,
 }
 
 impl Encoding {
-    /// All of them, by name.
+    /// All encodings with their names.
     pub const ALL: [(&'static str, Encoding); 4] = [
         ("utf-8", Encoding::Utf8),
         ("latin-1", Encoding::Latin1),
@@ -74,18 +74,18 @@ impl Encoding {
     }
 }
 
-/// What a rig file says about its trace files' text.
+/// Text format of trace files as stated in a rig file.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Format {
-    /// What stands between columns.
+    /// Separator between columns.
     pub separator: Option<Separator>,
-    /// What stands before decimals.
+    /// Decimal sign.
     pub decimal: Option<Decimal>,
-    /// How many lines stand before the header.
+    /// Number of lines before the header.
     pub skip_lines: Option<usize>,
-    /// What a line begins with that is to be passed over.
+    /// Prefix of lines to be skipped.
     pub comment: Option<String>,
-    /// How characters are written.
+    /// Character encoding.
     pub encoding: Option<Encoding>,
 }
 

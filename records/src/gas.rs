@@ -5,17 +5,17 @@ use crate::key::{Bounds, KeyProblem};
 use crate::table::Table;
 use chamber::Gas;
 
-/// A gas and, where it has one, its name.
+/// A gas and its name, if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedGas {
-    /// As in the file: one of [`Gas::NAMED`], or a label beside the gas's constants.
+    /// As in the file: one of [`Gas::NAMED`], or a label for the stated constants.
     pub name: Option<String>,
     /// Gas constant and heat capacity ratio.
     pub gas: Gas,
 }
 
 impl Default for NamedGas {
-    /// Dry air, which a file without `[gas]` means.
+    /// Dry air, the default of a file without `[gas]`.
     fn default() -> Self {
         Self { name: Some("air".to_owned()), gas: Gas::AIR }
     }
@@ -23,15 +23,16 @@ impl Default for NamedGas {
 
 const CONSTANT: &str = "gas_constant_j_per_kg_k";
 const RATIO: &str = "heat_capacity_ratio";
-/// From the heaviest refrigerants to hydrogen.
+/// From the heaviest refrigerants to hydrogen, J/(kg K).
 const CONSTANT_BOUNDS: Bounds = Bounds::Within(10.0..=10_000.0, "in J/(kg K)");
-/// From large molecules to single atoms.
+/// From large molecules to monatomic gases.
 const RATIO_BOUNDS: Bounds = Bounds::Within(1.01..=1.7, "");
 
-/// Constants given beside a known gas's name differ from the gas's by no more than this share: by rounding and by the source.
+/// Largest relative difference, from rounding and the source, between stated constants and those of the named gas.
 const ALIKE: f64 = 0.02;
 
-/// Reads `[gas]` under `root`; air where it is missing. Constants given beside a known name are its own, as near as they are stated.
+/// Reads `[gas]` under `root`; air where it is missing. Constants beside a known name must agree with that gas, and then replace
+/// its own.
 pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     let Some(table) = root.table("gas")? else { return Ok(NamedGas::default()) };
     table.allow(&["name", CONSTANT, RATIO])?;
@@ -63,7 +64,7 @@ pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     Ok(NamedGas { name: name.map(str::to_owned), gas })
 }
 
-/// Refuses a constant that is not the named gas's.
+/// Refuses a constant that is not that of the named gas.
 fn refuse_another_gas(table: &Table<'_>, name: &str, key: &str, stated: Option<f64>, known: f64) -> Result<(), Error> {
     let Some(stated) = stated.filter(|stated| (stated / known - 1.0).abs() > ALIKE) else { return Ok(()) };
     let problem = format!(

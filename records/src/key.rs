@@ -1,40 +1,40 @@
-//! What a key of a TOML file may be, and what can be wrong with it, in words.
+//! Requirements on the keys of a TOML file, and violations of them, in words.
 
 use crate::names::nearest;
 use std::ops::RangeInclusive;
 
-/// What is wrong with a key: what was found, in the key's unit, and what is known or expected there.
+/// Violation of a key's requirements: what was found, in the key's unit, and what is known or expected.
 #[allow(missing_docs)]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyProblem {
-    /// No such key is known here.
+    /// An unknown key.
     #[error("unknown key; {}", offer(near, known))]
     Unknown {
-        /// The known key most like it.
+        /// The most similar known key.
         near: Option<String>,
         known: Vec<String>,
     },
     /// A key of another kind of file.
     #[error("belongs to a {kind}, but another kind of file is expected here, with the keys {}", known.join(", "))]
     OtherFile { kind: &'static str, known: Vec<String> },
-    /// A key without which the file says too little.
+    /// A required key is missing.
     #[error("missing; expected {expected}")]
     Missing { expected: String },
     /// A value of another type.
     #[error("is {found}, expected {expected}")]
     WrongType { expected: String, found: String },
-    /// A number that cannot be.
+    /// A number out of its bounds.
     #[error("{value:?} is out of range; expected {expected}")]
     OutOfBounds { value: f64, expected: String },
-    /// A whole number that cannot be.
+    /// A whole number out of its bounds.
     #[error("{value} is out of range; expected {expected}")]
     WholeOutOfBounds { value: i64, expected: String },
-    /// A word that is none of those known.
+    /// A word that is not known.
     #[error("unknown value `{value}`; {}", offer(near, known))]
     UnknownName {
         value: String,
-        /// The known word most like it.
+        /// The most similar known word.
         near: Option<String>,
         known: Vec<String>,
     },
@@ -51,12 +51,12 @@ fn offer(near: &Option<String>, known: &[String]) -> String {
     }
 }
 
-/// A word of a list, in quotes where it is no plain word: a comma would look like part of the list.
+/// A word for a list, quoted where it is no plain word: a comma would look like part of the list.
 fn shown(word: &str) -> String {
     if word.contains(|c: char| c.is_ascii_alphanumeric()) { word.to_owned() } else { format!("{word:?}") }
 }
 
-/// The kind of file whose outermost table has that key; where two kinds have it, both.
+/// The kind of file whose outermost table has this key; where two kinds have it, both.
 pub fn kind_of_file(key: &str) -> Option<&'static str> {
     match key {
         "cylinder" | "sensor" | "accuracy" | "tolerance" | "columns" | "format" | "experiment" => Some("rig file"),
@@ -68,7 +68,7 @@ pub fn kind_of_file(key: &str) -> Option<&'static str> {
 }
 
 impl KeyProblem {
-    /// A word that is none of `known`.
+    /// A word that is not among `known`.
     pub fn unknown_name<'a>(value: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
         KeyProblem::UnknownName {
@@ -79,7 +79,7 @@ impl KeyProblem {
     }
 }
 
-/// What a number may be. Not-a-number and infinity are never allowed.
+/// Bounds of a number. NaN and infinity are never allowed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bounds {
     /// Any finite number.
@@ -88,7 +88,7 @@ pub enum Bounds {
     Positive,
     /// Zero or above.
     NotNegative,
-    /// Within these, and in words what for.
+    /// Within this range, with its unit or purpose in words.
     Within(RangeInclusive<f64>, &'static str),
 }
 

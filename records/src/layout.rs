@@ -1,5 +1,5 @@
-//! How a trace file is laid out: which column holds which quantity, in which unit, and how its text is written.
-//! The `[columns]` and `[format]` tables of a rig file.
+//! Layout of a trace file: which column holds which quantity, in which unit, and the text format. The `[columns]` and `[format]`
+//! tables of a rig file.
 
 use crate::error::Error;
 use crate::format::Format;
@@ -17,24 +17,24 @@ pub struct Column {
     pub name: String,
     /// The unit's name.
     pub unit: &'static str,
-    /// Factor to SI; negative where the sign is turned.
+    /// Factor to SI; negative where the sign is reversed.
     pub factor: f64,
     /// Added after the factor, SI.
     pub offset: f64,
-    /// Named in `[columns]`, so that it has to be there.
+    /// Named in `[columns]`, so it must exist.
     pub mapped: bool,
-    /// Pressure above the surroundings', whose pressure is part of the offset.
+    /// Pressure relative to the surroundings', which the offset adds.
     pub gauge: bool,
-    /// What of it the rig file states, rather than leaves as usual.
+    /// What the rig file states explicitly.
     pub stated: Stated,
 }
 
-/// What the rig file states of a column.
+/// What the rig file states explicitly of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stated {
-    /// The unit; else it is the SI unit, whatever the column's name says.
+    /// The unit; otherwise it is the SI unit, whatever the column's name says.
     pub unit: bool,
-    /// A scale or an offset, so that the unit is not just what the file itself says.
+    /// A scale or an offset: the unit then does not follow from the file alone.
     pub scale: bool,
 }
 
@@ -51,7 +51,7 @@ impl Column {
         self.factor * number + self.offset
     }
 
-    /// The unit of that quantity in which its numbers are, where no scale or offset changes them.
+    /// The unit of its numbers for that quantity, where no scale or offset changes them.
     pub fn plain_unit(&self, quantity: Quantity) -> Option<&'static Unit> {
         quantity.units().iter().find(|unit| unit.name == self.unit && !self.stated.scale && unit.name != VOLT)
     }
@@ -62,12 +62,12 @@ impl Column {
     }
 }
 
-/// How a trace file is laid out.
+/// Layout of a trace file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
-    /// One for each of [`Quantity::ALL`].
+    /// One column per entry of [`Quantity::ALL`].
     pub columns: [Column; 6],
-    /// How its text is written, as far as that is stated.
+    /// Its text format, as far as stated.
     pub format: Format,
 }
 
@@ -79,12 +79,12 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// That quantity's column.
+    /// The column of a quantity.
     pub fn column(&self, quantity: Quantity) -> &Column {
         &self.columns[quantity as usize]
     }
 
-    /// Reads `[columns]` and `[format]` under `root`; gauge pressures count from `ambient_pressure_pa`, where it is given.
+    /// Reads `[columns]` and `[format]` under `root`; gauge pressures are relative to `ambient_pressure_pa`, where it is given.
     pub(crate) fn read(root: &Table<'_>, ambient_pressure_pa: Option<f64>) -> Result<Self, Error> {
         let mut layout = Self { format: Format::read(root)?, ..Self::default() };
         let Some(columns) = root.table("columns")? else { return Ok(layout) };
@@ -137,7 +137,7 @@ fn read_column(table: &Table<'_>, quantity: Quantity, ambient_pressure_pa: Optio
     Ok(column)
 }
 
-/// How much of the unit a number of the column is: 1 unless stated.
+/// Units per number in the column: 1 unless stated.
 fn read_scale(table: &Table<'_>, quantity: Quantity, unit: &str) -> Result<f64, Error> {
     let scale = table.number("scale", &Bounds::Finite)?;
     if scale == Some(0.0) {

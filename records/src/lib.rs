@@ -1,18 +1,18 @@
-//! Files in and out: measured traces, rigs and models, in SI units and with absolute pressure once they are read.
+//! Input and output files: measured traces, rigs and models, in SI units and with absolute pressures after reading.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`trace`] | one record over time: [`Trace`] |
-//! | [`rig`] | what was measured on: [`Rig`], its cylinder, gas and experiments |
-//! | [`measurement`] | how well its quantities are known: sensor, accuracy, tolerances |
+//! | [`rig`] | the measured rig: [`Rig`], its cylinder, gas and experiments |
+//! | [`measurement`] | accuracy of its quantities: sensor, accuracy, tolerances |
 //! | [`model`] | an identified chamber: [`Model`] |
-//! | [`uncertainty`], [`provenance`] | how well its parameters are known, where they come from |
-//! | [`layout`], [`units`], [`mod@format`] | which column of a trace is what, in which unit, and how its text is written |
-//! | [`look`] | what a trace holds, found without a rig file |
-//! | [`document`], [`table`], [`field`], [`key`] | TOML files, each complaint with file, line and key |
-//! | [`error`] | what can be wrong with a file, in sentences |
+//! | [`uncertainty`], [`provenance`] | uncertainty and origin of its parameters |
+//! | [`layout`], [`units`], [`mod@format`] | quantity and unit of each column of a trace, and the text format |
+//! | [`look`] | the contents of a trace, found without a rig file |
+//! | [`document`], [`table`], [`field`], [`key`] | TOML files, each error with file, line and key |
+//! | [`error`] | errors in files, as sentences |
 //!
-//! Whatever cannot be right is refused with file, line and key or column; nothing is guessed silently.
+//! Anything that cannot be right is refused with file, line and key or column; nothing is guessed silently.
 
 mod ambient;
 pub mod atomic;

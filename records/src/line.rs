@@ -1,20 +1,20 @@
-//! The straight line through noisy values, by least squares; alone, or beside an exponential decay towards it.
+//! Least-squares straight line through noisy values, alone or with an exponential decay towards it.
 
 /// y = mean + slope (t − middle).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Mean of the times, s.
     pub middle_s: f64,
-    /// Value there.
+    /// Value at `middle_s`.
     pub mean: f64,
-    /// Change in a second.
+    /// Slope, per second.
     pub slope: f64,
-    /// Standard error of the slope by the scatter about the line.
+    /// Standard error of the slope, from the scatter about the line.
     pub slope_error: f64,
 }
 
 impl Line {
-    /// Through values at times, s; at least two.
+    /// Fits a line to at least two values at times, s.
     pub fn through(time_s: &[f64], values: &[f64]) -> Self {
         let n = values.len() as f64;
         let middle_s = time_s.iter().sum::<f64>() / n;
@@ -25,12 +25,12 @@ impl Line {
         Self { middle_s, mean, slope, slope_error: (left / (n - 2.0).max(1.0) / square).sqrt() }
     }
 
-    /// The line that values tend to while they still relax: y = line + c exp(−(t − t₀)/τ), where the decay takes more off the
-    /// scatter than noise would. No decay is slower than a quarter of the time there is, so that a slow loss stays in the line.
+    /// The line that relaxing values tend to: y = line + c exp(−(t − t₀)/τ), where the decay reduces the scatter by more than
+    /// noise would. No decay is slower than a quarter of the time span, so that a slow loss stays in the line.
     pub fn towards(time_s: &[f64], values: &[f64]) -> Self {
-        /// Time constants tried: this many, each a factor 2^¼ shorter than the one before.
+        /// Number of time constants tried, each a factor 2^¼ shorter than the one before.
         const TRIED: i32 = 24;
-        /// The decay's F ratio from which on it counts.
+        /// F ratio above which the decay is accepted.
         const BEYOND_NOISE: f64 = 12.0;
         let alone = Self::through(time_s, values);
         let (Some(&begin_s), Some(&end_s)) = (time_s.first(), time_s.last()) else { return alone };

@@ -1,24 +1,24 @@
-//! What a rig file says about how well its quantities are known: `[sensor]`, `[accuracy]` and `[tolerance]`.
+//! Accuracy of a rig's quantities as stated in its file: `[sensor]`, `[accuracy]` and `[tolerance]`.
 
 use crate::error::Error;
 use crate::key::Bounds;
 use crate::table::Table;
 
-/// Default standard deviation of the bore, as a share of it.
+/// Default standard deviation of the bore, relative.
 const BORE_SHARE: f64 = 0.005;
 /// Default standard deviation of the position sensor's scale factor.
 const POSITION_SCALE: f64 = 0.005;
-/// Default standard deviation of the waves by which the position sensor's characteristic lies off a straight line, as a share of the
-/// way that the records show.
+/// Default standard deviation of the waves in the position sensor's nonlinearity, as a fraction of the range of motion in the
+/// records.
 const POSITION_LINEARITY: f64 = 2e-4;
 /// Default standard deviation of the position's zero, m.
 const POSITION_OFFSET_M: f64 = 0.5e-3;
-/// Default standard deviation of the gas's heat capacity ratio, as a share of it: dry air's is 0.07 % above that of air of half the
-/// humidity it can take.
+/// Default relative standard deviation of the gas's heat capacity ratio: that of dry air is 0.07 % above that of air at half its
+/// saturation humidity.
 const HEAT_CAPACITY_RATIO: f64 = 0.0005;
-/// Default standard deviation of an ambient temperature that is stated or recorded, K.
+/// Default standard deviation of a stated or recorded ambient temperature, K.
 const STATED_TEMPERATURE_K: f64 = 2.0;
-/// Default standard deviation of an ambient temperature that is neither stated nor recorded, K.
+/// Default standard deviation of an ambient temperature neither stated nor recorded, K.
 const UNSTATED_TEMPERATURE_K: f64 = 5.0;
 
 // Wide enough for any rig; narrow enough to catch millimetres and per cent.
@@ -27,24 +27,24 @@ const SCALE_BOUNDS: Bounds = Bounds::Within(0.0..=0.5, "as a share (0.005 is 0.5
 const OFFSET_BOUNDS: Bounds = Bounds::Within(0.0..=10.0, "in m");
 const TEMPERATURE_BOUNDS: Bounds = Bounds::Within(0.0..=200.0, "in K");
 
-/// What is known of the pressure sensor. What is absent is estimated from the traces.
+/// Properties of the pressure sensor. Absent ones are estimated from the traces.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Sensor {
     /// Standard deviation of its white noise, Pa.
     pub noise_pa: Option<f64>,
     /// Spacing of the pressures it can show, Pa.
     pub step_pa: Option<f64>,
-    /// How often it is read out, Hz, where that is less often than the rows say.
+    /// Readout rate, Hz, where lower than the row rate.
     pub readout_hz: Option<f64>,
 }
 
 impl Sensor {
     pub(crate) fn read(root: &Table<'_>) -> Result<Self, Error> {
         let Some(table) = root.table("sensor")? else { return Ok(Self::default()) };
-        // `sample_rate_hz`, the logger's row rate, is for people: the times in the traces say it better.
+        // `sample_rate_hz`, the logger's row rate, is for readers only: the times in the traces are more accurate.
         table.allow(&["noise_pa", "step_pa", "readout_hz", "sample_rate_hz"])?;
         table.number("sample_rate_hz", &Bounds::Positive)?;
-        // Zero is no statement about a real sensor: as if it were absent.
+        // Zero is impossible for a real sensor: treated as absent.
         let size = |key| Ok(table.number(key, &Bounds::NotNegative)?.filter(|value| *value > 0.0));
         Ok(Self {
             noise_pa: size("noise_pa")?,
@@ -54,33 +54,33 @@ impl Sensor {
     }
 }
 
-/// The misfit that does not matter, Pa rms; absent where the file does not say.
+/// Negligible misfit, Pa rms; `None` if the file does not state it.
 pub(crate) fn read_accuracy(root: &Table<'_>) -> Result<Option<f64>, Error> {
     let Some(table) = root.table("accuracy")? else { return Ok(None) };
     table.allow(&["pressure_pa"])?;
     table.number("pressure_pa", &Bounds::Positive)
 }
 
-/// How well the stated geometry, ambient temperature and gas are known: standard deviations.
+/// Standard deviations of the stated geometry, ambient temperature and gas.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance<T = f64> {
     /// Of the bore, m: 0.5 % of it unless stated.
     pub bore_m: T,
     /// Of the position sensor's scale factor, 1: 0.005 unless stated.
     pub position_scale: T,
-    /// Of each of the four waves by which positions lie off a straight line, as a share of the way that the records show: 0.0002
-    /// unless stated.
+    /// Of each of the four waves of the position sensor's nonlinearity, as a fraction of the range of motion in the records:
+    /// 0.0002 unless stated.
     pub position_linearity: T,
     /// Of the position's zero, m: 0.5 mm unless stated.
     pub position_offset_m: T,
     /// Of the ambient temperature, K. Unless stated: 2 K where the temperature is stated or recorded, else 5 K.
     pub ambient_temperature_k: T,
-    /// Of the gas's heat capacity ratio γ, as a share of it: 0.0005 unless stated, as of air whose humidity is not known.
+    /// Of the gas's heat capacity ratio γ, relative: 0.0005 unless stated, as for air of unknown humidity.
     pub heat_capacity_ratio: T,
 }
 
 impl Tolerance {
-    /// What holds for a cylinder of that bore where nothing is stated.
+    /// Defaults for a cylinder of a bore, m.
     pub fn default_of(bore_m: f64, ambient_known: bool) -> Self {
         Self {
             bore_m: BORE_SHARE * bore_m,
@@ -93,7 +93,7 @@ impl Tolerance {
     }
 }
 
-/// `[tolerance]` as the file has it, each key by itself.
+/// `[tolerance]` as in the file, each key optional.
 pub type StatedTolerance = Tolerance<Option<f64>>;
 
 impl StatedTolerance {

@@ -1,8 +1,8 @@
-//! Model files: an identified chamber with where it comes from. Written so that reading gives back every bit.
+//! Model files: an identified chamber and its origin. Written so that reading restores every bit.
 //!
-//! Only `[chamber] bore_m` and `[heat_transfer] coefficient_w_per_m2_k` must be there. What a file leaves out is: air,
-//! no rod, no dead volume, area law `"total"`, the paper's reference state (5.65e5 Pa, 293 K), no effect, surroundings
-//! of 293.15 K and 101325 Pa; and of an effect that is named, its parameters' neutral values.
+//! Only `[chamber] bore_m` and `[heat_transfer] coefficient_w_per_m2_k` are required. Defaults are: air, no rod, no dead volume,
+//! area law `"total"`, the paper's reference state (5.65e5 Pa, 293 K), no effect, surroundings at 293.15 K and 101325 Pa; for a
+//! named effect, its parameters' neutral values.
 
 use crate::ambient;
 use crate::atomic::write_atomically;
@@ -20,10 +20,10 @@ use chamber::{AreaLaw, Chamber, EffectValues, Geometry, HeatTransfer, paper};
 use std::fmt::Write;
 use std::path::Path;
 
-/// A chamber as model files hold it.
+/// A chamber as stored in a model file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Name of the gas: one of [`chamber::Gas::NAMED`], or a label of the user's.
+    /// Name of the gas: one of [`chamber::Gas::NAMED`], or a user's label.
     pub gas_name: Option<String>,
     /// All its constants, effects included.
     pub chamber: Chamber,
@@ -31,9 +31,9 @@ pub struct Model {
     pub ambient_temperature_k: f64,
     /// Pressure of the surroundings, Pa.
     pub ambient_pressure_pa: f64,
-    /// How well the parameters are known; absent in a model written by hand.
+    /// Uncertainty of the parameters; absent in a model written by hand.
     pub uncertainty: Option<Uncertainty>,
-    /// Where the numbers come from.
+    /// Origin of the numbers.
     pub provenance: Provenance,
 }
 
@@ -73,7 +73,7 @@ impl Model {
     /// Writes the model file, atomically.
     ///
     /// # Errors
-    /// [`Error::Write`], or [`Error::Unwritable`] as [`Model::to_toml`] has it.
+    /// [`Error::Write`], or [`Error::Unwritable`] as for [`Model::to_toml`].
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         write_atomically(path, self.to_toml()?.as_bytes())
     }
@@ -81,8 +81,8 @@ impl Model {
     /// The model file's text.
     ///
     /// # Errors
-    /// [`Error::Unwritable`] for a model that could not be read back the same: a number that is not finite or out of
-    /// its bounds, a piston area that is not that of bore and rod.
+    /// [`Error::Unwritable`] for a model that would not be read back the same: a number not finite or out of bounds, or a piston
+    /// area that does not match bore and rod.
     pub fn to_toml(&self) -> Result<String, Error> {
         let mut text = String::new();
         self.render(&mut text).map_err(|_| Error::Unwritable("formatting failed".to_owned()))?;
@@ -132,8 +132,8 @@ impl Model {
         Ok(())
     }
 
-    /// Turns off the effects that act on the record of a stroke, for uses in which the stroke is the true one; those
-    /// that were on.
+    /// Turns off the effects that act on the stroke record, for uses in which the stroke is the true one; returns those that were
+    /// on.
     pub fn leave_out_recorded_stroke(&mut self) -> EffectSet {
         let left_out = self.active().intersection(effects::of_recorded_stroke());
         self.chamber.effects = self.chamber.effects.without(left_out);

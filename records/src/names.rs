@@ -1,9 +1,9 @@
-//! Names as people type and read them: the nearest known one beside an unknown one, and one that stands there twice.
+//! Names in files: the nearest known name to an unknown one, and duplicates.
 
-/// The candidate most like `name`, if any is like it at all.
+/// The candidate most similar to `name`, if any is similar.
 ///
-/// Likeness is the Damerau–Levenshtein distance without regard to case, over the longer length; a candidate that has
-/// less than half of it in common is not offered, unless the one begins with the other (`bore` and `bore_m`).
+/// Similarity is based on the case-insensitive Damerau–Levenshtein distance over the longer length; a candidate below one half is
+/// not offered, unless one name begins with the other (`bore` and `bore_m`).
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name = name.to_lowercase();
     candidates
@@ -14,7 +14,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// The first of the items that stands there a second time.
+/// The first item that occurs a second time.
 pub fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(i, item)| items[..*i].contains(item)).map(|(_, item)| item)
 }

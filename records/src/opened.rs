@@ -1,40 +1,42 @@
-//! A chamber that is opened while its piston is held: the pressure leaves its course at once.
+//! Detects that a chamber was opened while its piston is held: the pressure departs abruptly from its course.
 //!
-//! In a closed chamber with a held piston the pressure relaxes smoothly, so that a few readings lie on the straight line through those
-//! before them, but for noise. How far they lie off it, whatever the noise's colour, the hold shows before. From where they lie off
-//! by many times as much and do not come back, the readings are those of an open chamber: somebody opened the port, to let the piston
-//! return or to end the test.
+//! In a closed chamber with a held piston the pressure relaxes smoothly: a few readings lie on the straight line through those
+//! before them, except for noise. The earlier part of the hold shows how far they usually deviate, whatever the colour of the
+//! noise. From where they deviate by a large multiple of that and do not return, the readings are those of an open chamber: the
+//! port was opened to let the piston return or to end the test.
 
 use crate::line::Line;
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use std::ops::Range;
 
-/// Readings that are looked at together, at the least; each further number is half as many more.
+/// Smallest window, in readings; each further window width is half as large again.
 const FEWEST: usize = 8;
-/// The line goes through so many times as many readings before them.
+/// The line is fitted to this many times as many readings before the window.
 const BEFORE: usize = 2;
-/// So many places in the later half of the hold before, where the gas has relaxed for the most part, show how far readings usually
-/// lie off, at the least...
+/// Number of earlier windows, in the later half of the hold so far, where the gas has mostly relaxed, that show the usual
+/// deviation: at least this many...
 const FEWEST_PLACES: usize = 8;
-/// ...and at the most, the last ones.
+/// ...and at most this many, the last ones.
 const MOST_PLACES: usize = 64;
-/// Readings that lie off by more than so many times as much as usual are of an open chamber: chance brings ten standard deviations
-/// into no record, and an opened port goes on far beyond them...
+/// Readings of an open chamber deviate by more than this multiple of the usual deviation: chance does not reach ten standard
+/// deviations in any record, and an opened port goes far beyond...
 const TIMES: f64 = 10.0;
-/// ...and by so many times as much as at the worst of those places, as few of them show the usual poorly.
+/// ...and by this multiple of the largest deviation in those windows, because few windows show the usual deviation poorly.
 const TIMES_WORST: f64 = 4.0;
-/// Where the hold goes on, there are many more readings to be taken for those of an open chamber by chance: so many times both.
+/// If the hold continues after the window, far more readings could be mistaken for those of an open chamber: both multiples are
+/// larger by this factor.
 const STRICTER: f64 = 2.0;
-/// Readings before a window belong to the open chamber if they are off the course by more than so many standard deviations of one...
+/// Readings before a window belong to the open chamber if they deviate by more than this many standard deviations of a single
+/// reading...
 const OFF_COURSE: f64 = 3.0;
-/// ...and by this share of what the window is.
+/// ...and by more than this fraction of the window's deviation.
 const SHARE_OF_WINDOW: f64 = 0.1;
-/// An opened port changes the slope by so many times what it was: a seal that shuts, or a move that ends later than the piston's
-/// record says, makes it less.
+/// An opened port changes the slope by this multiple of its earlier value: a seal that shuts, or a move that ends later than in
+/// the position record, reduces it.
 const TIMES_SLOPE: f64 = 2.0;
 
-/// The first of a hold's readings, of which each has its time, s, and pressure, Pa, that is of an opened chamber, to the end.
-/// `noise_pa`: standard deviation of a reading, with its rounding, Pa.
+/// Index of the first reading of a hold from which on the chamber is open. Each reading has its time, s, and pressure, Pa.
+/// `noise_pa`: standard deviation of a reading, including rounding, Pa.
 pub fn opened_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<usize> {
     let most = time_s.len() / 2 / (FEWEST_PLACES + 1);
     let widths =
@@ -42,17 +44,17 @@ pub fn opened_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option
     widths.filter_map(|width| Hold { time_s, pressure_pa, noise_pa, width }.opened_from()).min()
 }
 
-/// A hold whose readings are looked at in windows.
+/// A hold examined in windows of readings.
 struct Hold<'a> {
     time_s: &'a [f64],
     pressure_pa: &'a [f64],
     noise_pa: f64,
-    /// Readings of a window.
+    /// Readings per window.
     width: usize,
 }
 
 impl Hold<'_> {
-    /// The first reading of the open chamber as windows of this width show it. They end with the hold's last reading.
+    /// First reading of the open chamber according to windows of this width, aligned with the end of the hold.
     fn opened_from(&self) -> Option<usize> {
         let (rows, width) = (self.time_s.len(), self.width);
         let most = (rows - BEFORE * width) / width;
@@ -70,27 +72,28 @@ impl Hold<'_> {
             .map(|k| self.left_course(windows[k], (OFF_COURSE * self.noise_pa).max(SHARE_OF_WINDOW * off[k])))
     }
 
-    /// The straight line through the readings before one.
+    /// The straight line through the readings before a given one.
     fn course(&self, first: usize) -> Line {
         let rows = first - BEFORE * self.width..first;
         Line::through(&self.time_s[rows.clone()], &self.pressure_pa[rows])
     }
 
-    /// How far the readings of a window are off the line through those before it, Pa, by their median.
+    /// Median deviation of a window's readings, Pa, from the line through those before it.
     fn off_course(&self, first: usize) -> f64 {
         let course = self.course(first);
         let rows = first..first + self.width;
         median(rows.map(|row| self.pressure_pa[row] - course.at(self.time_s[row])).collect::<Vec<f64>>())
     }
 
-    /// Standard deviation of that by the noise, Pa: the line errs in the middle of a window by 1/before + 12 distance²/before³.
+    /// Standard deviation of that median due to noise, Pa: the line's error in the middle of a window is 1/before + 12
+    /// distance²/before³.
     fn error_pa(&self) -> f64 {
         let (w, b) = (self.width as f64, (BEFORE * self.width) as f64);
         let distance = 0.5 * (w + b);
         self.noise_pa * (1.0 / w + 1.0 / b + 12.0 * distance * distance / b.powi(3)).sqrt()
     }
 
-    /// Whether the readings of a window, which are off so much, Pa, are of an open chamber, by how much they are at places before, Pa.
+    /// Whether a window's readings are of an open chamber, given their deviation, Pa, and the deviations in earlier windows, Pa.
     fn is_open(&self, first: usize, off_pa: f64, elsewhere: &[f64]) -> bool {
         let is_last = first + self.width == self.time_s.len();
         let stricter = if is_last { 1.0 } else { STRICTER };
@@ -101,7 +104,7 @@ impl Hold<'_> {
             && (is_last || self.stays_open(first, off_pa))
     }
 
-    /// Whether the pressure goes on to somewhere else, from before the hold's end.
+    /// Whether the change lasts: until the end of the hold, the pressure moves on to a new level.
     fn stays_open(&self, first: usize, off_pa: f64) -> bool {
         let course = self.course(first);
         let distance_s = median(self.time_s[first..first + self.width].to_vec()) - course.middle_s;
@@ -112,8 +115,8 @@ impl Hold<'_> {
         off_pa > TIMES_SLOPE * (course.slope * distance_s).abs() && went.abs() > relaxed.abs().max(off_pa)
     }
 
-    /// The first reading that is off by more than that, Pa, and all from there to a window that is open: the pressure may have left
-    /// its course within the line's readings.
+    /// First of the consecutive readings, up to an open window, that deviate by more than `off_pa`, Pa: the pressure may have
+    /// departed from its course within the readings of the line.
     fn left_course(&self, first: usize, off_pa: f64) -> usize {
         let before = BEFORE * self.width;
         let course = self.course(first.saturating_sub(self.width).max(before));
@@ -132,8 +135,8 @@ mod tests {
         (-2.0 * (1.0 - random.f64()).ln()).sqrt() * (std::f64::consts::TAU * random.f64()).cos()
     }
 
-    /// A hold of eight seconds that relaxes with 0.7 s, its noise white, coloured, a random walk, that of a sensor that sticks, or
-    /// white beside a hum.
+    /// A hold of eight seconds that relaxes with a time constant of 0.7 s; by kind, the noise is white, coloured, a random walk,
+    /// that of a sticking sensor, or white plus hum.
     fn hold(kind: usize, random: &mut fastrand::Rng) -> (Vec<f64>, Vec<f64>) {
         let (mut coloured, mut walk) = (0.0, 0.0);
         let time_s: Vec<f64> = (0..ROWS).map(|i| 0.01 * i as f64).collect();
@@ -155,7 +158,7 @@ mod tests {
         (time_s, pressure_pa)
     }
 
-    /// Standard deviation of a reading, its rounding included, by kind of hold, Pa.
+    /// Standard deviation of a reading, Pa, including its rounding, by kind of hold.
     const NOISE_PA: [f64; 5] = [60.0, 60.0, 60.0, 114.0, 60.0];
 
     #[test]

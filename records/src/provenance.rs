@@ -1,4 +1,4 @@
-//! Where a model's numbers come from: traces by content, program, date, error before and after.
+//! Origin of a model's numbers: traces by content, program, date, error before and after.
 
 use crate::error::Error;
 use crate::key::Bounds;
@@ -13,39 +13,40 @@ use std::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 const OF_EACH_RECORD: &str = "of_each_record";
-/// The last second of the year 9999, since 1970: years of more digits are none in most formats.
+/// The last second of the year 9999, since 1970: most date formats have four-digit years.
 pub const LAST_SECOND: u64 = 253_402_300_799;
 
-/// Where a model's numbers come from. All of it may be absent in a model written by hand.
+/// Origin of a model's numbers. Any of it may be absent in a model written by hand.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Provenance {
     /// The program and its version.
     pub program: Option<String>,
-    /// When it was written, UTC, `2026-11-21T12:00:00Z`.
+    /// Date of writing, UTC, `2026-11-21T12:00:00Z`.
     pub date: Option<String>,
     /// The traces it was identified from.
     pub traces: Vec<SourceTrace>,
-    /// What the diagnosis says of this model.
+    /// The diagnosis's verdict on this model.
     pub verdict: Option<Verdict>,
     /// Error of the paper's model, before any effect.
     pub rmse_before_pa: Option<Rmse>,
     /// Error of this model.
     pub rmse_after_pa: Option<Rmse>,
-    /// What each trace had for itself, by another value: the model has none of it.
+    /// What each trace had its own value for; the model does not include these.
     pub of_each_record: OfEachRecord,
 }
 
-/// Numbers that each record has for itself, beside its initial pressure.
+/// Per-record parameters besides the initial pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct OfEachRecord {
     /// Effects of the recording.
     pub effects: EffectSet,
-    /// Whether gas, and a wall that warms, begin at temperatures of their own: the chamber was filled or moved shortly before.
+    /// Whether the initial temperature of the gas, and of a wall that warms, is fitted per record: the chamber was filled or
+    /// moved shortly before.
     pub initial_temperature: bool,
 }
 
 impl OfEachRecord {
-    /// Name of the initial temperature in the list, in which all others are effects.
+    /// Name of the initial temperature in the list; all other entries are effects.
     const INITIAL_TEMPERATURE: &str = "initial_temperature";
 
     fn read(table: &Table<'_>) -> Result<Self, Error> {
@@ -62,21 +63,22 @@ impl OfEachRecord {
     }
 }
 
-/// What a diagnosis says of the model that it writes.
+/// A diagnosis's verdict on the model that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The paper's model leaves no more than noise, or less than the accuracy asked for.
+    /// The paper's model leaves no more than noise, or less than the requested accuracy.
     Adequate,
-    /// With the named effects the residual is noise, or little beside what it was.
+    /// With the named effects the residual is noise, or small compared with before.
     Explained,
-    /// The named effects predict left-out data decisively better, but need not be the cause: mostly because more than noise remains.
+    /// The named effects predict left-out data decisively better but need not be the cause: mostly because more than noise
+    /// remains.
     Improved,
     /// No known effect predicts left-out data better.
     Unexplained,
 }
 
 impl Verdict {
-    /// All of them, by name.
+    /// All verdicts with their names.
     pub const ALL: [(&'static str, Verdict); 4] = [
         ("adequate", Verdict::Adequate),
         ("explained", Verdict::Explained),
@@ -93,23 +95,23 @@ impl Verdict {
 /// A trace by name and content.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceTrace {
-    /// The file, relative to the rig's folder where it is in there.
+    /// The file, relative to the rig's folder if inside it.
     pub path: String,
     /// SHA-256 of its bytes, 64 hexadecimal digits.
     pub sha256: String,
 }
 
-/// Root mean square error against what the sensor recorded, Pa.
+/// Root mean square error relative to the recorded readings, Pa.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rmse {
     /// On the data of the fit.
     pub fit: f64,
-    /// On data that took no part in it.
+    /// On data not used in the fit.
     pub held_out: Option<f64>,
 }
 
 impl Provenance {
-    /// This program, today, without traces.
+    /// This program and today's date, without traces.
     pub fn today() -> Self {
         Self {
             program: Some(concat!("pneutherm ", env!("CARGO_PKG_VERSION")).to_owned()),
@@ -118,7 +120,7 @@ impl Provenance {
         }
     }
 
-    /// This program, today, from every trace of a rig.
+    /// This program and today's date, with every trace of a rig.
     pub fn of_rig(rig: &Rig) -> Self {
         let folder = rig.path.parent();
         let source = |trace: &Trace| {
@@ -129,7 +131,7 @@ impl Provenance {
         Self { traces, ..Self::today() }
     }
 
-    /// Whether a record is one of the traces, by content.
+    /// Whether a record is one of the traces, by its content.
     pub fn is_of(&self, record: &Trace) -> bool {
         self.traces.iter().any(|trace| trace.sha256 == record.sha256)
     }
@@ -200,8 +202,8 @@ impl Rmse {
     }
 }
 
-/// A date, or a date and time, as a moment in UTC, `2026-11-21T12:00:00Z`: one without a zone is of UTC, one without a time its
-/// midnight. `None` of what is no date.
+/// A date, or a date and time, in UTC, `2026-11-21T12:00:00Z`; without a zone it counts as UTC, without a time as midnight.
+/// `None` if it is no date.
 pub fn as_utc(text: &str) -> Option<String> {
     let text = text.trim();
     let moment = DateTime::parse_from_rfc3339(text).map(|moment| moment.to_utc());
@@ -211,14 +213,14 @@ pub fn as_utc(text: &str) -> Option<String> {
     u64::try_from(moment.timestamp()).ok().filter(|seconds| *seconds <= LAST_SECOND).map(utc)
 }
 
-/// Now, or the moment that `SOURCE_DATE_EPOCH` names (reproducible builds), in UTC.
+/// Now or, for reproducible builds, the time in `SOURCE_DATE_EPOCH`, in UTC.
 fn today() -> String {
     let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.trim().parse().ok());
     let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |age| age.as_secs());
     utc(fixed.unwrap_or_else(now))
 }
 
-/// Seconds since 1970 as a moment in UTC, `2026-11-21T12:00:00Z`; at the latest [`LAST_SECOND`].
+/// Seconds since 1970 as a time in UTC, `2026-11-21T12:00:00Z`; at most [`LAST_SECOND`].
 pub fn utc(seconds: u64) -> String {
     let seconds = i64::try_from(seconds.min(LAST_SECOND)).unwrap_or_default();
     DateTime::from_timestamp(seconds, 0).unwrap_or_default().format("%Y-%m-%dT%H:%M:%SZ").to_string()

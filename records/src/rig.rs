@@ -1,7 +1,7 @@
 //! Rig files: the cylinder, its surroundings, gas and sensor, and the experiments with their traces.
 //!
-//! [`RigFile`] is the file itself, [`Rig`] the file with all its traces read. What a file leaves out is: the cap side,
-//! no rod, air, surroundings of 101325 Pa at an unknown temperature, SI columns.
+//! [`RigFile`] is the file itself, [`Rig`] the file with all its traces read. Defaults are: the cap side, no rod, air,
+//! surroundings at 101325 Pa and an unknown temperature, SI columns.
 
 use crate::ambient;
 use crate::document::{Document, Kind};
@@ -20,7 +20,7 @@ use chamber::{AreaLaw, Geometry};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-/// What a rig file may hold.
+/// Tables allowed in a rig file.
 const TABLES: [&str; 9] =
     ["cylinder", "ambient", "gas", "sensor", "accuracy", "tolerance", "experiment", "columns", "format"];
 
@@ -31,7 +31,7 @@ pub struct Rig {
     pub path: PathBuf,
     /// The cylinder as seen from the measured chamber.
     pub cylinder: Cylinder,
-    /// The dead volume as far as it is known beforehand.
+    /// The dead volume, as far as known beforehand.
     pub dead_volume: Option<DeadVolume>,
     /// Temperature and pressure of the surroundings.
     pub ambient: Ambient,
@@ -39,13 +39,13 @@ pub struct Rig {
     pub gas: NamedGas,
     /// The pressure sensor.
     pub sensor: Sensor,
-    /// The misfit that does not matter, Pa rms, where the file states one.
+    /// Negligible misfit, Pa rms, if the file states one.
     pub accuracy_pa: Option<f64>,
-    /// How well geometry and ambient temperature are known; what the file leaves out has its default.
+    /// Tolerances of geometry, ambient temperature and gas, completed with defaults.
     pub tolerance: Tolerance,
-    /// Whether the file declares the pressures as gauge; the traces' pressures are absolute either way.
+    /// Whether the file declares gauge pressures; the traces' pressures are absolute either way.
     pub gauge_pressures: bool,
-    /// The declared unit of the pressures, where no scale or offset is declared beside it.
+    /// The declared unit of the pressures, if no scale or offset is declared with it.
     pub pressure_unit: Option<&'static Unit>,
     /// The experiments, in the file's order.
     pub experiments: Vec<Experiment>,
@@ -56,11 +56,11 @@ pub struct Rig {
 pub struct Cylinder {
     /// Bore of the cylinder, m.
     pub bore_m: f64,
-    /// Diameter of the rod that runs through the measured chamber, m: zero on the cap side.
+    /// Diameter of the rod in the measured chamber, m: zero on the cap side.
     pub rod_through_m: f64,
     /// Area of the piston face that the measured gas acts on, m².
     pub piston_area_m2: f64,
-    /// The cylinder's stroke, m, where it is known.
+    /// The cylinder's stroke, m, if known.
     pub stroke_m: Option<f64>,
 }
 
@@ -77,14 +77,14 @@ impl Cylinder {
 pub struct DeadVolume {
     /// Its value or estimate, m³.
     pub value_m3: f64,
-    /// Whether it is known and stays, rather than an estimate to begin from.
+    /// Whether it is known and fixed, rather than a starting estimate.
     pub known: bool,
 }
 
-/// Temperature and pressure of the surroundings, as the rig file states them.
+/// Temperature and pressure of the surroundings, as stated in the rig file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// Temperature, K; absent where it is not stated.
+    /// Temperature, K; `None` if not stated.
     pub temperature_k: Option<f64>,
     /// Absolute pressure of the surroundings, Pa.
     pub pressure_pa: f64,
@@ -95,31 +95,31 @@ pub struct Ambient {
 pub struct Experiment {
     /// Name of the experiment.
     pub name: String,
-    /// One trace for each repeat; at least one.
+    /// One trace per repeat; at least one.
     pub traces: Vec<Trace>,
 }
 
-/// A rig file without the content of its traces.
+/// A rig file without the contents of its traces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigFile {
-    /// The rig, its experiments empty.
+    /// The rig, without experiments.
     pub rig: Rig,
-    /// `[tolerance]` as it stands in the file.
+    /// `[tolerance]` as in the file.
     pub stated_tolerance: StatedTolerance,
-    /// How its trace files are laid out.
+    /// Layout of its trace files.
     pub layout: Layout,
-    /// Experiments with their traces still to be read.
+    /// Experiments whose traces are still to be read.
     pub plan: Vec<PlannedExperiment>,
 }
 
-/// One experiment as the rig file has it.
+/// One experiment as in the rig file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedExperiment {
     /// Name of the experiment.
     pub name: String,
-    /// Its traces' files.
+    /// Paths of its traces.
     pub traces: Vec<PathBuf>,
-    /// The part of each trace that counts.
+    /// The time window used of each trace.
     pub window: Window,
 }
 
@@ -167,7 +167,7 @@ impl Rig {
         self.experiments.iter().flat_map(|experiment| &experiment.traces)
     }
 
-    /// What was done to the rows of its traces' files, in sentences ([`Trace::notes`]).
+    /// Changes made to the rows of its traces' files, in sentences ([`Trace::notes`]).
     pub fn notes(&self) -> Vec<String> {
         self.traces().flat_map(Trace::notes).collect()
     }
@@ -194,8 +194,7 @@ impl RigFile {
         if file.exists() { Document::read_as(Kind::Rig, &file) } else { Err(Error::NoRig { folder: path.to_owned() }) }
     }
 
-    /// How the trace files of a rig are laid out, and the cylinder's stroke, m, where it is known; a document without
-    /// `[cylinder]` will do.
+    /// Layout of a rig's trace files, and the cylinder's stroke, m, if known; `[cylinder]` is not required.
     ///
     /// # Errors
     /// As [`RigFile::read`].
@@ -244,7 +243,7 @@ impl RigFile {
     }
 }
 
-/// Refuses two experiments of one name: results name experiments by it.
+/// Refuses two experiments with the same name, as results use the name.
 fn refuse_same_names(tables: &[Table<'_>], plan: &[PlannedExperiment]) -> Result<(), Error> {
     let is_taken = |nth: usize| plan[..nth].iter().any(|other| other.name == plan[nth].name);
     let Some(nth) = (0..plan.len()).find(|nth| is_taken(*nth)) else { return Ok(()) };
@@ -255,10 +254,10 @@ fn refuse_same_names(tables: &[Table<'_>], plan: &[PlannedExperiment]) -> Result
     Err(tables[nth].contradiction("name", problem))
 }
 
-/// Refuses rows that are for the most part another record's as well: a copy is no repeat. One test may begin with the rest that
-/// the one before it ends with.
+/// Refuses a record that mostly consists of another record's rows: a copy is no repeat. A test may begin with the rest at the end
+/// of the previous one.
 fn refuse_copy(trace: &Trace, [from_s, to_s]: [f64; 2], seen: &[(String, PathBuf, [f64; 2])]) -> Result<(), Error> {
-    /// Share of the shorter of two records that both may have.
+    /// Fraction of the shorter of two records that they may share.
     const SHARED: f64 = 0.5;
     let is_copied = |[from, to]: [f64; 2]| to_s.min(to) - from_s.max(from) > SHARED * (to_s - from_s).min(to - from);
     match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && is_copied(*other)) {
@@ -267,9 +266,9 @@ fn refuse_copy(trace: &Trace, [from_s, to_s]: [f64; 2], seen: &[(String, PathBuf
     }
 }
 
-/// Refuses a dead volume beside which no stroke would show in the pressure: litres or cubic centimetres taken for cubic metres.
+/// Refuses a dead volume so large that no stroke would show in the pressure: litres or cubic centimetres typed as cubic metres.
 fn check_dead_volume(document: &Document, rig: &Rig, dead_volume: DeadVolume) -> Result<(), Error> {
-    /// Of the largest swept volume; a stroke then changes the pressure by a percent.
+    /// In units of the largest swept volume; at this size a stroke changes the pressure by one percent.
     const LARGEST: f64 = 100.0;
     let largest_m = rig.traces().flat_map(|trace| &trace.position_m).copied().fold(0.0, f64::max);
     let swept_m3 = rig.cylinder.piston_area_m2 * largest_m;
@@ -310,7 +309,7 @@ fn read_cylinder(table: &Table<'_>) -> Result<Cylinder, Error> {
     Ok(Cylinder { bore_m, rod_through_m, piston_area_m2, stroke_m })
 }
 
-/// That the rod side has no rod, or one without thickness.
+/// An error for a rod side without a rod, or with a rod of zero diameter.
 fn missing_rod(table: &Table<'_>) -> Error {
     if table.has("rod_m") {
         let problem = "0 m is no rod; the area of the rod side needs the rod's diameter in m";

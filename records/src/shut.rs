@@ -1,29 +1,30 @@
-//! A port that is shut while the piston rests: what changed the pressure fast stops at once.
+//! Detects that a port is shut while the piston rests: a fast change of the pressure stops abruptly.
 //!
-//! Of a closed chamber the pressure relaxes smoothly. Where it changed several times as fast shortly before a moment as shortly after it,
-//! and by more than a closed chamber at rest could, gas flowed until then: somebody filled or emptied the chamber before the test.
+//! In a closed chamber the pressure relaxes smoothly. If it changes several times as fast shortly before a moment as shortly
+//! after it, and by more than in a closed chamber at rest, gas flowed until then: the chamber was being filled or emptied before
+//! the test.
 
 use crate::statistics::{interval, median};
 
-/// Readings that are looked at on either side of a moment, at the least...
+/// Minimum number of readings compared on each side of a moment...
 const FEWEST: usize = 8;
-/// ...and for how long, s, if these are more.
+/// ...or this duration, s, if it contains more.
 const BESIDE_S: f64 = 0.05;
-/// Before the moment the pressure changes so many times as much as after it...
+/// Before the moment the pressure changes by this multiple of its change after it...
 const TIMES: f64 = 3.0;
-/// ...and by so many standard deviations of a reading more...
+/// ...plus this many standard deviations of a reading...
 const DEVIATIONS: f64 = 10.0;
-/// ...and by this share of itself: neither the weather nor a slow leak does that.
+/// ...and by this fraction of itself, which neither weather nor a slow leak reaches.
 const SHARE: f64 = 0.005;
 
-/// The first of a rest's readings, of which each has its time, s, and pressure, Pa, that is surely of the chamber after its port was shut;
-/// `None` where the port was not seen to be shut. `noise_pa`: standard deviation of a reading, with its rounding, Pa.
+/// Index of the first reading of a rest that certainly follows the shutting of the port; `None` where no shutting is detected.
+/// Each reading has its time, s, and pressure, Pa. `noise_pa`: standard deviation of a reading, including rounding, Pa.
 pub fn shut_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<usize> {
     if time_s.len() < 2 {
         return None;
     }
     let width = FEWEST.max((BESIDE_S / interval(time_s).max(f64::MIN_POSITIVE)) as usize);
-    // A single spike is no change.
+    // Medians of three, so that a single spike is no change.
     let level = |row: usize| median([row - 1, row, row + 1].map(|row| pressure_pa[row]));
     let is_kink = |row: &usize| {
         let [before, at, after] = [row - width, *row, row + width].map(level);
@@ -37,7 +38,7 @@ pub fn shut_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<u
 mod tests {
     use super::*;
 
-    /// Readings at 100 Hz, with noise of 100 Pa at the most.
+    /// Readings at 100 Hz, with noise of at most 100 Pa.
     fn rest(length_s: f64, pressure_pa: impl Fn(f64) -> f64) -> [Vec<f64>; 2] {
         let rows = (100.0 * length_s) as usize;
         let noise = |k: usize| 100.0 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
@@ -49,7 +50,7 @@ mod tests {
     #[test]
     fn readings_count_from_where_the_port_is_shut_however_shortly_before_the_move() {
         for quiet_s in [0.3, 1.0, 5.0] {
-            // A relaxation, 0.3 s of filling by 1 bar, and the filled gas that cools.
+            // A relaxation, filling by 1 bar in 0.3 s, and cooling of the filled gas.
             let filled = |t: f64| 1e5 * (t / 0.3).min(1.0) - 2e4 * (1.0 - (-(t - 0.3).max(0.0) / 0.5).exp());
             let pressure = |t: f64| 4e5 + 1e5 * (-t.min(3.0) / 0.5).exp() + if t > 3.0 { filled(t - 3.0) } else { 0.0 };
             let [times, pressures] = rest(3.3 + quiet_s, pressure);

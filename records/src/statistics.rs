@@ -1,6 +1,6 @@
-//! What is told from a column of a record.
+//! Statistics of a record's column.
 
-/// Correlation of two series of the same length, -1 to 1; 0 where one of them does not vary.
+/// Correlation of two series of the same length, -1 to 1; 0 if one of them is constant.
 pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().max(1) as f64;
     let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
@@ -18,19 +18,19 @@ pub(crate) fn white_noise(values: &[f64]) -> f64 {
     noise_of_bends(bends(values).collect())
 }
 
-/// The sizes of a signal's second differences, which steady change does not enter.
+/// Absolute second differences of a signal, which are zero for steady change.
 pub fn bends(values: &[f64]) -> impl Iterator<Item = f64> {
     values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs())
 }
 
-/// Standard deviation of the white noise that makes second differences of these sizes; 0 of none. By their median, so that a
-/// few large ones do not count. The variance of a second difference is 1 + 4 + 1 times that of its values.
+/// Standard deviation of white noise with absolute second differences of these sizes; 0 for none. Based on their median, so that
+/// a few large ones have no influence. The variance of a second difference is 1 + 4 + 1 times that of the values.
 pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
     DEVIATION_OF_MEDIAN * median(bends) / 6.0_f64.sqrt()
 }
 
-/// Share of the changes from value to value that go the other way than the change before: noise turns two of three back, what goes
-/// on in one direction none. A value that repeats the one before is no change.
+/// Fraction of the changes between values whose sign differs from that of the previous change: two thirds for noise, zero for
+/// monotonic change. Repeated values are skipped.
 pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.into_iter().collect();
     let changes: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|change| *change != 0.0).collect();
@@ -38,22 +38,22 @@ pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
     pairs.clone().filter(|w| (w[0] < 0.0) != (w[1] < 0.0)).count() as f64 / pairs.len().max(1) as f64
 }
 
-/// Standard deviation of a normal distribution over the median distance from its middle.
+/// Ratio of a normal distribution's standard deviation to its median absolute deviation.
 pub const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 
-/// The value in the middle; 0 of none. Values that are lent come back in another order.
+/// The middle value; 0 for none. Borrowed values are reordered.
 pub fn median(mut values: impl AsMut<[f64]>) -> f64 {
     let values = values.as_mut();
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// The median step from a time to the next; 0 of fewer than two.
+/// Median time step; 0 for fewer than two times.
 pub(crate) fn interval(times: &[f64]) -> f64 {
     median(times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())
 }
 
-/// The least and the greatest value.
+/// Minimum and maximum.
 pub fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

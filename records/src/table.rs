@@ -1,4 +1,4 @@
-//! One table of a TOML file, asked key by key.
+//! One table of a TOML file, read key by key.
 
 use crate::error::Error;
 use crate::field::Field;
@@ -8,8 +8,8 @@ use crate::value::{Entry, Value};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// A view on one table of a [`Document`](crate::document::Document). What is asked for by key is `None` where it is missing; a value
-/// that is there is refused as [`Field`] has it.
+/// A view of one table of a [`Document`](crate::document::Document). Reading a missing key gives `None`; an unsuitable value is
+/// refused as by [`Field`].
 #[derive(Clone, Debug)]
 pub struct Table<'d> {
     path: &'d Path,
@@ -34,17 +34,17 @@ impl<'d> Table<'d> {
         self.entries.iter().map(move |entry| Field::new(path, entry))
     }
 
-    /// A key with its value; `None` where the table does not have it.
+    /// A key with its value; `None` if missing.
     pub fn field(&self, key: &str) -> Option<Field<'d>> {
         self.fields().find(|field| field.key() == key)
     }
 
-    /// Whether it has that key.
+    /// Whether the key exists.
     pub fn has(&self, key: &str) -> bool {
         self.field(key).is_some()
     }
 
-    /// Refuses keys that are none of `known`.
+    /// Refuses keys that are not in `known`.
     pub fn allow(&self, known: &[&str]) -> Result<(), Error> {
         let Some(field) = self.fields().find(|field| !known.contains(&field.key())) else { return Ok(()) };
         let near = nearest(field.key(), known.iter().copied()).map(str::to_owned);
@@ -56,8 +56,8 @@ impl<'d> Table<'d> {
         Err(field.refuse(problem))
     }
 
-    /// A complaint about a key of this table: at its line, or at the table's where it is missing. The empty key stands for the
-    /// table itself.
+    /// An error about a key of this table: at its line, or at the table's if it is missing. The empty key denotes the table
+    /// itself.
     pub fn refuse(&self, key: &str, problem: KeyProblem) -> Error {
         match self.field(key) {
             Some(field) => field.refuse(problem),
@@ -68,22 +68,22 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// A complaint that a key's value contradicts another, or needs one, in the words of `why`.
+    /// An error that a key's value contradicts, or requires, another; `why` is its wording.
     pub fn contradiction(&self, key: &str, why: impl Into<String>) -> Error {
         self.refuse(key, KeyProblem::Contradiction(why.into()))
     }
 
-    /// A complaint that a key is missing which should hold `expected`.
+    /// An error that a key is missing, which should hold `expected`.
     pub fn missing(&self, key: &str, expected: &str) -> Error {
         self.refuse(key, KeyProblem::Missing { expected: expected.to_owned() })
     }
 
-    /// A number, an integer included.
+    /// A number; integers are accepted.
     pub fn number(&self, key: &str, bounds: &Bounds) -> Result<Option<f64>, Error> {
         self.field(key).map(|field| field.number(bounds)).transpose()
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub fn required_number(&self, key: &str, bounds: &Bounds) -> Result<f64, Error> {
         self.number(key, bounds)?.ok_or_else(|| self.missing(key, &bounds.words()))
     }
@@ -103,7 +103,7 @@ impl<'d> Table<'d> {
         self.field(key).map(|field| field.rows_of_numbers(bounds)).transpose()
     }
 
-    /// The text under that key; `None` where the table does not have it.
+    /// The text under that key; `None` if missing.
     pub fn text(&self, key: &str) -> Result<Option<&'d str>, Error> {
         self.field(key).map(|field| field.text()).transpose()
     }
@@ -123,18 +123,18 @@ impl<'d> Table<'d> {
         self.field(key).map(|field| field.texts()).transpose()
     }
 
-    /// The table under that key; `None` where it is missing.
+    /// The table under that key; `None` if missing.
     pub fn table(&self, key: &str) -> Result<Option<Table<'d>>, Error> {
         self.field(key).map(|field| field.table()).transpose()
     }
 
-    /// A table, without any key where it is missing.
+    /// The table under that key; empty if missing.
     pub fn table_or_empty(&self, key: &str) -> Result<Table<'d>, Error> {
         let empty = || Table { path: self.path, name: self.dotted(key).into(), line: self.line, entries: &[] };
         Ok(self.table(key)?.unwrap_or_else(empty))
     }
 
-    /// A table that must be there.
+    /// A required table.
     pub fn required_table(&self, key: &str) -> Result<Table<'d>, Error> {
         self.table(key)?.ok_or_else(|| self.missing(key, &format!("a table [{}]", self.dotted(key))))
     }
@@ -162,7 +162,7 @@ impl<'d> Field<'d> {
         }
     }
 
-    /// A list of tables (`[[key]]`).
+    /// The value as a list of tables (`[[key]]`).
     pub fn tables(&self) -> Result<Vec<Table<'d>>, Error> {
         let expected = format!("a list of tables [[{}]]", self.entry.name);
         let table = |(line, item): &'d (usize, Value)| match item {

@@ -1,7 +1,7 @@
-//! How well a model's parameters are known: the `[uncertainty]` table of a model file.
+//! Uncertainty of a model's parameters: the `[uncertainty]` table of a model file.
 //!
-//! `parameters` names what follows: `lambda0_w_per_m2_k`, `dead_volume_m3`, an effect's `leakage.conductance_m3_per_s_pa`.
-//! `ci95` holds a 95 % interval for each, `covariance` their covariance matrix, all in SI units.
+//! `parameters` names them: `lambda0_w_per_m2_k`, `dead_volume_m3`, an effect's `leakage.conductance_m3_per_s_pa`. `ci95` holds a
+//! 95 % interval for each, `covariance` their covariance matrix, all in SI units.
 
 use crate::error::Error;
 use crate::key::{Bounds, KeyProblem};
@@ -11,10 +11,10 @@ use crate::toml_text::quoted;
 use chamber::effects;
 use std::fmt::Write;
 
-/// Rounding that a covariance matrix may carry, as a correlation.
+/// Rounding tolerance of a covariance matrix, as a correlation.
 const ROUNDING: f64 = 1e-6;
 
-/// Names of what a fit may free beside the effects' parameters.
+/// Parameters that a fit may free besides those of the effects.
 const OF_RIG: [&str; 7] = [
     "lambda0_w_per_m2_k", "dead_volume_m3", "bore_m", "ambient_temperature_k", "position_scale", "position_offset_m",
     "rest_temperature_k",
@@ -75,7 +75,7 @@ impl Uncertainty {
     }
 }
 
-/// What is wrong with the name of a parameter that no fit frees.
+/// The problem of a parameter name that no fit frees; `None` for a known name.
 fn unknown(name: &str) -> Option<KeyProblem> {
     let of_card =
         |card: &'static chamber::card::Card| card.parameters.iter().map(|p| format!("{}.{}", card.name, p.key()));
@@ -92,7 +92,7 @@ fn unknown(name: &str) -> Option<KeyProblem> {
     })
 }
 
-/// Refuses what is no covariance matrix: another shape, a negative variance, asymmetry, a correlation beyond one.
+/// Refuses an invalid covariance matrix: wrong shape, negative variance, asymmetry, or a correlation beyond one.
 fn check_covariance(rows: &[Vec<f64>], parameters: &[&str]) -> Result<(), String> {
     for (row, name) in rows.iter().zip(parameters) {
         if row.len() != parameters.len() {

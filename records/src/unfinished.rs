@@ -1,13 +1,13 @@
-//! Files that are being written: a program that is interrupted removes them.
+//! Files being written: an interrupted program removes them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// A list of files that are being written.
+/// A list of files being written.
 #[derive(Debug)]
 pub struct Unfinished(Mutex<Vec<PathBuf>>);
 
-/// A file on the list as long as this lives.
+/// A file that stays on the list during this entry's lifetime.
 #[derive(Debug)]
 pub struct Entry<'a> {
     list: &'a Unfinished,
@@ -31,7 +31,7 @@ impl Unfinished {
     /// Removes all files on the list.
     pub fn remove(&self) {
         if let Ok(mut list) = self.0.lock() {
-            // One that cannot be removed is left to the next who cleans the folder.
+            // A file that cannot be removed is left to a later cleanup of the folder.
             list.drain(..).for_each(|path| drop(std::fs::remove_file(path)));
         }
     }

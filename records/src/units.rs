@@ -1,9 +1,9 @@
-//! The quantities that a trace's column can hold, and the units that they are read in.
+//! Quantities of a trace's columns, and their accepted units.
 
-/// What a column of a trace can hold.
+/// The quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Time since any moment, or a clock time.
+    /// Time from any origin, or a clock time.
     Time,
     /// Pressure in the chamber.
     Pressure,
@@ -17,16 +17,16 @@ pub enum Quantity {
     MassFlow,
 }
 
-/// A unit that is read.
+/// An accepted unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// Its name in a rig file.
     pub name: &'static str,
-    /// What a number of it is multiplied by to be SI ...
+    /// Factor to SI ...
     pub factor: f64,
-    /// ... and what is then added.
+    /// ... and the offset added after it.
     pub offset: f64,
-    /// How else column names and units lines spell it, in lower case; those of gauge and absolute pressures are known without.
+    /// Other spellings in column names and units lines, in lower case; gauge and absolute suffixes are handled separately.
     pub spellings: &'static [&'static str],
 }
 
@@ -34,20 +34,20 @@ const fn unit(name: &'static str, factor: f64, spellings: &'static [&'static str
     Unit { name, factor, offset: 0.0, spellings }
 }
 
-/// A voltage: `scale` and `offset` of its column make SI of it.
+/// A voltage: the column's `scale` and `offset` convert it to SI.
 pub const VOLT: &str = "V";
-/// Clock times and dates: counted in seconds from the file's first row on.
+/// Clock times and dates: converted to seconds since the file's first row.
 pub const CLOCK: &str = "clock";
 
 const VOLTS: Unit = unit(VOLT, 1.0, &["volt", "volts"]);
 /// psi = lbf/in² = 0.45359237 · 9.80665 / 0.0254² Pa
 const PSI_PA: f64 = 0.453_592_37 * 9.806_65 / (0.0254 * 0.0254);
-/// Of mercury at 0 °C, 13595.1 kg/m³, under 9.80665 m/s²: 1 mm are 133.322 Pa, 1 in is 3386.389 Pa.
+/// Mercury at 0 °C, 13595.1 kg/m³, under 9.80665 m/s²: 1 mm is 133.322 Pa, 1 in is 3386.389 Pa.
 const MMHG_PA: f64 = 13.5951 * 9.806_65;
 const INHG_PA: f64 = 25.4 * MMHG_PA;
-/// Of water of 1000 kg/m³, the conventional one, under 9.80665 m/s²: 1 mm is 9.80665 Pa.
+/// Conventional water of 1000 kg/m³ under 9.80665 m/s²: 1 mm is 9.80665 Pa.
 const MMH2O_PA: f64 = 9.806_65;
-/// Of water at 4 °C, 999.972 kg/m³, under 9.80665 m/s².
+/// Water at 4 °C, 999.972 kg/m³, under 9.80665 m/s²: 1 in, Pa.
 const INH2O_PA: f64 = 249.089;
 
 const TIME: [Unit; 8] = [
@@ -128,7 +128,7 @@ impl Quantity {
         }
     }
 
-    /// The column's name where `[columns]` names no other.
+    /// The default name of its column.
     pub fn default_name(self) -> &'static str {
         match self {
             Quantity::Time => "time_s",
@@ -140,17 +140,17 @@ impl Quantity {
         }
     }
 
-    /// The SI unit that it is read into.
+    /// The SI unit of its values after reading.
     pub fn si_unit(self) -> &'static str {
         self.units()[0].name
     }
 
-    /// Names of the units that are read, SI first.
+    /// Names of the accepted units, SI first.
     pub fn unit_names(self) -> impl Iterator<Item = &'static str> {
         self.units().iter().map(|unit| unit.name)
     }
 
-    /// The units that are read, SI first.
+    /// The accepted units, SI first.
     pub fn units(self) -> &'static [Unit] {
         match self {
             Quantity::Time => &TIME,
@@ -161,7 +161,7 @@ impl Quantity {
         }
     }
 
-    /// The unit that a column's name or a units line spells like that, brackets around it aside.
+    /// The unit with this spelling in a column name or units line; surrounding brackets are ignored.
     pub fn unit_spelled(self, text: &str) -> Option<&'static Unit> {
         let text = unbracketed(text);
         let lower = text.to_lowercase();
@@ -176,10 +176,10 @@ impl Quantity {
     }
 }
 
-/// A name without its unit, and the unit: in brackets, or after the last blank, slash or underscore.
+/// Splits a name into its stem and its unit: in brackets, or after the last blank, slash or underscore.
 pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     let known = |text: &str| Quantity::ALL.into_iter().any(|quantity| quantity.unit_spelled(text).is_some());
-    // `bar(g)` ends in brackets of its own: the first bracket whose content is a unit counts.
+    // `bar(g)` ends in a bracket too: the first bracket whose content is a unit counts.
     let open = name.match_indices(['[', '(', '<']).map(|(at, _)| at);
     for at in open {
         let inside = name[at + 1..].trim_end().trim_end_matches([']', '>']);
@@ -199,10 +199,10 @@ pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     (name, None)
 }
 
-/// The unit that a column's name surely has: in brackets or, unless only those count, at its end where it is no other word
-/// (`p_atm`, `x_in`).
+/// The unit that a column's name certainly states: in brackets or, unless `only_in_brackets`, at its end if it is no other word
+/// (unlike `p_atm`, `x_in`).
 pub fn sure_unit(name: &str, only_in_brackets: bool) -> Option<&str> {
-    /// Units that are no other word.
+    /// Units that are not also other words.
     const NO_OTHER_WORD: [&str; 16] = [
         "Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "mmHg", "inHg", "cmH2O", "mH2O", "inH2O", "ms", "us", "mm",
         "cm",
@@ -214,7 +214,7 @@ pub fn sure_unit(name: &str, only_in_brackets: bool) -> Option<&str> {
     (bracketed || !only_in_brackets && Quantity::ALL.into_iter().any(is_sure)).then_some(unit)
 }
 
-/// A text without blanks and brackets around all of it.
+/// A text without surrounding blanks and brackets.
 fn unbracketed(text: &str) -> &str {
     let mut text = text.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('<', '>')] {
@@ -225,13 +225,13 @@ fn unbracketed(text: &str) -> &str {
     text
 }
 
-/// A pressure's unit, in lower case, without what says that it counts from the surroundings': `bar` of `bar(g)`, `bar g`, `bar_g`
-/// and, in German, `barü`; `None` where nothing says so.
+/// A gauge pressure's unit, in lower case, without the gauge suffix: `bar` of `bar(g)`, `bar g`, `bar_g` and, in German, `barü`;
+/// `None` without such a suffix.
 fn without_gauge(spelling: &str) -> Option<&str> {
     without_sign(spelling, &["gauge", "relative", "relativ", "rel", "ue", "ü", "g"])
 }
 
-/// The same of one that says that it counts from vacuum: `mbar` of `mbar(a)`, `mbar abs`, `mbara`.
+/// The same for the absolute suffix: `mbar` of `mbar(a)`, `mbar abs`, `mbara`.
 fn without_absolute(spelling: &str) -> Option<&str> {
     without_sign(spelling, &["absolute", "absolut", "abs", "a"])
 }
@@ -250,16 +250,16 @@ fn without_sign<'s>(spelling: &'s str, signs: &[&str]) -> Option<&'s str> {
     signs.iter().filter_map(unit).find(is_unit)
 }
 
-/// Whether a unit's spelling says that a pressure counts from the surroundings' (`psig`, `barg`).
+/// Whether a unit's spelling states a gauge pressure (`psig`, `barg`).
 pub fn says_gauge(spelling: &str) -> bool {
     let text = unbracketed(spelling).to_lowercase();
     without_gauge(&text).is_some()
 }
 
-/// Whether a unit's spelling says that a pressure counts from vacuum (`psia`, `bara`).
+/// Whether a unit's spelling states an absolute pressure (`psia`, `bara`).
 pub fn says_absolute(spelling: &str) -> bool {
     let text = unbracketed(spelling);
-    // A capital by itself is a chamber's letter: `p_kPa_A`.
+    // A single capital is the letter of a chamber: `p_kPa_A`.
     let is_of_chamber = text.ends_with("_A") || text.ends_with(" A");
     !is_of_chamber && without_absolute(&text.to_lowercase()).is_some()
 }
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(name(Quantity::Pressure, "BAR"), Some("bar"));
         assert_eq!(name(Quantity::AmbientTemperature, "°C"), Some("degC"));
         assert_eq!(name(Quantity::Time, "sec"), Some("s"));
-        // Case tells these two apart.
+        // Only case distinguishes these two.
         assert_eq!((name(Quantity::Pressure, "MPa"), name(Quantity::Pressure, "mbar")), (Some("MPa"), Some("mbar")));
         assert_eq!(
             ["(kgf/cm2)", "[Torr]", "N/mm²"].map(|text| name(Quantity::Pressure, text)),

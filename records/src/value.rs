@@ -1,12 +1,12 @@
-//! What a TOML file holds once it is parsed: keys with their values, each with its line.
+//! Contents of a parsed TOML file: keys with their values, each with its line.
 
 /// A key with its value.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     pub key: String,
-    /// The key with its tables, dotted.
+    /// The key with its enclosing tables, dotted.
     pub name: String,
-    /// Counted from 1; 0 in a document that has no lines.
+    /// Counted from 1; 0 in a document without lines.
     pub line: usize,
     pub value: Value,
 }

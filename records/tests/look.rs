@@ -1,4 +1,4 @@
-//! Awkward files become rigs without a word from the user: the rig that is proposed reads the record that was written.
+//! Awkward files become rigs without user input: the proposed rig reads the record that was written.
 
 use records::layout::Quantity;
 use records::look::columns::Names;
@@ -15,7 +15,7 @@ fn example() -> Trace {
     Trace::read(&path, &reading).unwrap()
 }
 
-/// Writes the example's rows, each by `row`, under a header.
+/// Writes the example's rows, each formatted by `row`, under a header.
 fn table(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
     let trace = example();
     let pressure = trace.pressure_pa.as_deref().unwrap();
@@ -23,7 +23,7 @@ fn table(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
     std::iter::once(header.to_owned() + "\n").chain(rows).collect()
 }
 
-/// The file, looked at, its rig beside it, and the rig's trace.
+/// Writes the file, examines it, writes its rig beside it, and reads the rig's trace.
 fn looked_at(name: &str, bytes: &[u8]) -> (TempDir, PathBuf, Look, Trace) {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join(name);
@@ -37,7 +37,7 @@ fn looked_at(name: &str, bytes: &[u8]) -> (TempDir, PathBuf, Look, Trace) {
     (folder, path, look, trace)
 }
 
-/// That the record is the example's, times from the first row on, within what the format rounds.
+/// Asserts that the record is the example's, with times from the first row, to within the format's rounding.
 #[track_caller]
 fn assert_is_the_example(name: &str, bytes: &[u8]) -> Trace {
     let (_folder, _, _, trace) = looked_at(name, bytes);
@@ -390,7 +390,7 @@ fn cycles_in_one_file_become_experiments() {
         for (i, pressure) in pressure.iter().enumerate() {
             text += &format!("{:.3},{pressure},{}\n", start + trace.time_s[i], trace.position_m[i]);
         }
-        // The port opens, the piston goes back slowly.
+        // The port opens and the piston returns slowly.
         for i in 0..150 {
             let share = (f64::from(i) / 100.0).min(1.0);
             let position = trace.position_m[rows - 1] + share * (trace.position_m[0] - trace.position_m[rows - 1]);

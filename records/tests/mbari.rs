@@ -1,4 +1,4 @@
-//! The measured gas spring's files, as they are, through a rig's mapping. Skipped where the data is not at hand.
+//! The files of the measured gas spring, unmodified, read through a rig's mapping. Skipped if the data is absent.
 
 use records::Rig;
 use std::path::Path;

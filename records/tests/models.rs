@@ -1,4 +1,4 @@
-//! Model files: exact round trips, defaults, and what is refused with file, line and key.
+//! Model files: exact round trips, defaults, and refusals with file, line and key.
 
 use chamber::card::Kind;
 use chamber::effects::empirical::{Curve, KNOTS, Term, Variable};
@@ -217,7 +217,7 @@ fn any_effects() -> impl Strategy<Value = EffectValues> {
     })
 }
 
-/// Any parameters with intervals, correlated over many orders of magnitude.
+/// Arbitrary parameters with intervals, correlated over many orders of magnitude.
 fn any_uncertainty() -> impl Strategy<Value = Uncertainty> {
     let name = prop::sample::select(vec![
         "lambda0_w_per_m2_k",
@@ -275,7 +275,7 @@ prop_compose! {
 proptest! {
     #[test]
     fn the_chamber_of_any_rig_can_be_written_and_read(bore in 0.008..0.2_f64, rod_share in 0.0..0.9_f64, dead_volume in 0.0..1e-3_f64) {
-        // As rig files have them: in tenths of a millimetre; a rod side has a rod.
+        // As in rig files: in tenths of a millimetre; a rod side has a rod.
         let [bore_m, rod_m] = [bore, bore * rod_share].map(|metres| (metres * 1e4).round().max(1.0) / 1e4);
         let text = format!("[cylinder]\nbore_m = {bore_m:?}\nrod_m = {rod_m:?}\nchamber = \"rod\"\n[ambient]\ntemperature_k = 293.0\n");
         let rig = RigFile::from_document(&Document::parse(Path::new("rig.toml"), text).unwrap()).unwrap().rig;

@@ -1,4 +1,4 @@
-//! Rig files: what they say, what they leave out, and what is refused with file, line and key.
+//! Rig files: contents, defaults, and refusals with file, line and key.
 
 use records::{Document, Rig, RigFile, Tolerance};
 use std::f64::consts::PI;
@@ -90,7 +90,7 @@ fn constants_beside_a_known_gas_s_name_are_its_own() {
         &["line 6: gas.heat_capacity_ratio: 1.4 is not helium's, which is 1.667", what_to_do],
     );
     refusal(&gas("name = \"nitrogen\"\ngas_constant_j_per_kg_k = 287"), &["line 5", "nitrogen's, which is 296.8"]);
-    // As other sources round them, and as files that the program writes have them.
+    // As rounded by other sources, and as written by the program.
     let argon = parse(&gas("name = \"argon\"\ngas_constant_j_per_kg_k = 208\nheat_capacity_ratio = 1.66")).unwrap();
     assert_eq!((argon.rig.gas.gas.gas_constant, argon.rig.gas.gas.heat_capacity_ratio), (208.0, 1.66));
     for (name, known) in chamber::Gas::NAMED {
@@ -334,7 +334,7 @@ fn a_copy_of_a_record_is_no_repeat_but_another_part_of_the_same_file_is_one() {
         assert!(message.contains("a.csv already; a copy is no repeat") && !message.contains('\n'), "{message}");
     }
     assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.5", "traces = [\"a.csv\"]\nfrom_s = 0.5"]).is_ok());
-    // The rest between two tests may belong to both, as `pneutherm look --split` has it; most of a record may not.
+    // The rest between two tests may belong to both, as with `pneutherm look --split`; most of a record may not.
     assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.6", "traces = [\"a.csv\"]\nfrom_s = 0.4\nto_s = 1.0"]).is_ok());
     assert!(read(&["traces = [\"a.csv\"]\nto_s = 0.6", "traces = [\"a.csv\"]\nfrom_s = 0.1\nto_s = 1.0"]).is_err());
 }
@@ -352,7 +352,7 @@ fn a_dead_volume_beside_which_no_stroke_would_show_is_refused() {
     };
     let message = read("9.6").unwrap_err();
     assert!(message.contains("line 3: cylinder.dead_volume_m3: ") && message.contains("1 cm3 is 1e-6 m3"), "{message}");
-    // A bottle of ten times the swept volume is none.
+    // A bottle of ten times the swept volume is accepted.
     assert!(read("3.1e-4").is_ok());
 }
 

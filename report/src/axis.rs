@@ -1,15 +1,15 @@
-//! An axis of a chart: its name with unit, its range, its ticks.
+//! An axis of a chart: name with unit, range and ticks.
 
-/// One axis of a chart: what it shows, over which range.
+/// One axis of a chart.
 #[derive(Clone, Debug, Default)]
 pub struct Axis<'a> {
-    /// What it shows, and after a comma the unit.
+    /// Quantity and, after a comma, unit.
     pub name: &'a str,
-    /// From, to; absent: what the data ask for.
+    /// Start and end; `None`: the range of the data.
     pub range: Option<[f64; 2]>,
-    /// Whether equal ratios have equal lengths.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
-    /// Ticks with their text, where they are names rather than numbers.
+    /// Ticks with texts, for names instead of numbers.
     pub named: Vec<(f64, String)>,
 }
 
@@ -19,17 +19,17 @@ impl<'a> Axis<'a> {
         Self { name, ..Self::default() }
     }
 
-    /// The same over that range.
+    /// The same axis with this range.
     pub fn over(self, from: f64, to: f64) -> Self {
         Self { range: Some([from, to]), ..self }
     }
 
-    /// Where a value lies along the axis: the value, or its logarithm.
+    /// Position of a value along the axis: the value, or its logarithm.
     pub(crate) fn place(&self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
     }
 
-    /// Its ticks for data from `low` to `high`, about so many.
+    /// About `about` ticks for data from `low` to `high`.
     pub(crate) fn ticks(&self, low: f64, high: f64, about: usize) -> Ticks {
         let [from, to] = self.range.unwrap_or([low, high]);
         if !self.named.is_empty() {
@@ -45,16 +45,16 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// Places along an axis, with their texts.
+/// Positions of ticks along an axis, with their texts.
 #[derive(Clone, Debug)]
 pub(crate) struct Ticks {
-    /// The axis's ends, in places.
+    /// Ends of the axis, as positions.
     pub range: [f64; 2],
-    /// The ticks' places.
+    /// Positions of the ticks.
     pub at: Vec<f64>,
-    /// What is written at each of them.
+    /// Texts of the ticks.
     pub texts: Vec<String>,
-    /// The power of ten, in threes, that keeps the texts short.
+    /// Power of ten, a multiple of three, that keeps the texts short.
     power: i32,
 }
 
@@ -72,7 +72,7 @@ impl Ticks {
         self.at.iter().position(near).map_or(String::new(), |i| self.texts[i].clone())
     }
 
-    /// The axis's name, its unit times the power of ten.
+    /// The axis name, with the power of ten before the unit.
     pub fn name(&self, text: &str) -> String {
         let superscript = |c: char| match c {
             '-' => '⁻',
@@ -88,7 +88,7 @@ impl Ticks {
     }
 }
 
-/// Round numbers, a step of 1, 2 or 5 apart, that hold the range.
+/// Round numbers with a step of 1, 2 or 5 times a power of ten, which enclose the range.
 fn round(low: f64, high: f64, about: usize) -> Ticks {
     let span = if high > low { high - low } else { high.abs().max(1.0) * 0.1 };
     let (low, high) = if high > low { (low, high) } else { (low - 0.5 * span, high + 0.5 * span) };
@@ -107,7 +107,7 @@ fn round(low: f64, high: f64, about: usize) -> Ticks {
     Ticks { range, texts: at.iter().map(text).collect(), at, power }
 }
 
-/// 1, 2 and 5 of every decade; only its 1 where there are many.
+/// 1, 2 and 5 of every decade; only 1 if there are many decades.
 fn decades(low: f64, high: f64) -> Ticks {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let of_each: &[f64] = if last - first > 3 { &[1.0] } else { &[1.0, 2.0, 5.0] };

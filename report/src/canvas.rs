@@ -1,4 +1,4 @@
-//! What charts are drawn on: an SVG of `plotters`, in whole units of half a px, with one font and axes with our own ticks.
+//! Drawing surface of charts: an SVG by `plotters`, in integer units of half a px, with one font and axes with our own ticks.
 
 use crate::Error;
 use crate::axis::Ticks;
@@ -7,23 +7,23 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-/// Drawing units in a px: `plotters` places everything on whole units.
+/// Drawing units per px: `plotters` uses integer positions.
 pub(crate) const UNITS: f64 = 2.0;
 const FONT: &str = "sans-serif";
 pub(crate) const LABEL_PX: f64 = 12.0;
 pub(crate) const TITLE_PX: f64 = 13.5;
 
-/// Lines and letters.
+/// Colour of lines and letters.
 pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
-/// Lines at the ticks.
+/// Colour of grid lines.
 pub(crate) const GRID: RGBColor = RGBColor(225, 225, 225);
-/// The band that is noise.
+/// Colour of the noise band.
 pub(crate) const NOISE: RGBColor = RGBColor(234, 234, 234);
 
-/// What a chart is drawn on.
+/// Drawing area of a chart.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// A length of so many px, in drawing units.
+/// A length, px, in drawing units.
 pub(crate) fn units(px: f64) -> i32 {
     (px * UNITS).round() as i32
 }
@@ -32,13 +32,13 @@ pub(crate) fn failed(error: impl std::fmt::Display) -> Error {
     Error(error.to_string())
 }
 
-/// The style of a text of that size.
+/// Style of a text of this size, px.
 pub(crate) fn text(px: f64) -> TextStyle<'static> {
-    // `plotters` takes the size of a line of text, 1.24 times that of the letters.
+    // `plotters` takes the line height, 1.24 times the letter size.
     TextStyle::from((FONT, 1.24 * px * UNITS).into_font()).color(&INK)
 }
 
-/// A linear axis with ticks of our own.
+/// A linear axis with our own ticks.
 pub(crate) struct Along {
     axis: RangedCoordf64,
     ticks: Vec<f64>,
@@ -67,10 +67,10 @@ impl Ranged for Along {
     }
 }
 
-/// A chart whose axes are drawn.
+/// A chart with drawn axes.
 pub(crate) type Canvas<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Along, Along>>;
 
-/// Where a point of the chart lies on the area.
+/// Position of a chart point in the area.
 pub(crate) fn on(area: &Area<'_>, chart: &Canvas<'_, '_>, point: (f64, f64)) -> (i32, i32) {
     let ((right, down), (left, up)) = (chart.backend_coord(&point), area.get_base_pixel());
     (right - left, down - up)

@@ -1,4 +1,4 @@
-//! Charts, drawn with `plotters` as SVG: title and legend above, units on the axes.
+//! Charts as SVG, drawn with `plotters`: title and legend on top, units on the axes.
 
 use crate::Error;
 use crate::axis::{Axis, Ticks};
@@ -8,7 +8,7 @@ use crate::series::{self, Series};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A chart of series over one pair of axes.
+/// A chart of series on one pair of axes.
 #[derive(Clone, Debug, Default)]
 pub struct Chart<'a> {
     /// Title above the chart.
@@ -17,9 +17,9 @@ pub struct Chart<'a> {
     pub x: Axis<'a>,
     /// The vertical axis.
     pub y: Axis<'a>,
-    /// A band around zero that is noise, in the vertical axis's unit.
+    /// Half width of the noise band around zero, in the vertical axis's unit.
     pub band: Option<f64>,
-    /// What is drawn, from the bottom up.
+    /// The series, drawn in order.
     pub series: Vec<Series<'a>>,
     /// Texts centred above points.
     pub texts: Vec<(f64, f64, String)>,
@@ -27,11 +27,11 @@ pub struct Chart<'a> {
     pub size: (u32, u32),
 }
 
-/// Height of a row of the legend, or of the title, px.
+/// Height of a legend row, or of the title, px.
 const ROW_PX: f64 = 18.0;
 /// Width of a letter of a label, px.
 const LETTER_PX: f64 = 6.6;
-/// Points beyond so many a px of the chart's width are thinned to the extremes of each stretch.
+/// Points per px of the chart's width above which they are thinned to the extremes of each interval.
 const POINTS_A_PX: f64 = 1.0;
 
 impl Chart<'_> {
@@ -78,7 +78,7 @@ impl Chart<'_> {
         Ok(())
     }
 
-    /// Draws title and legend; their height with the space above, px.
+    /// Draws title and legend; returns their height including the space above, px.
     fn draw_head(&self, area: &Area<'_>) -> Result<f64, Error> {
         let legend = self.legend_rows();
         let title = if self.title.is_empty() { 0.0 } else { ROW_PX + 2.0 };
@@ -122,7 +122,7 @@ impl Chart<'_> {
             .map_err(failed)
     }
 
-    /// Ticks of both axes for what is drawn.
+    /// Ticks of both axes for the data.
     fn ticks(&self) -> (Ticks, Ticks) {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         let points = self.series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
@@ -143,7 +143,7 @@ impl Chart<'_> {
         )
     }
 
-    /// The legend's entries, in rows that fit the width.
+    /// The legend entries, in rows that fit the width.
     fn legend_rows(&self) -> Vec<Vec<&Series<'_>>> {
         let mut rows: Vec<Vec<&Series<'_>>> = Vec::new();
         let mut free = 0.0;
@@ -167,7 +167,7 @@ fn entry_px(label: &str) -> f64 {
     30.0 + LETTER_PX * label.chars().count() as f64 + 16.0
 }
 
-/// Charts side by side, so many in a row, below a title, as one SVG document.
+/// Charts in a grid with this many columns, below a title, as one SVG document.
 ///
 /// # Errors
 /// [`Error`]: the drawing failed.
@@ -204,7 +204,7 @@ pub fn sheet(title: &str, charts: &[Chart<'_>], columns: usize) -> Result<String
     Ok(without_control(&svg.replacen(&size(UNITS), &size(1.0), 1)))
 }
 
-/// At most so many, keeping the smallest and largest of each stretch.
+/// At most `most` points, keeping the minimum and maximum of each interval.
 fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most {
         return points;

@@ -1,12 +1,12 @@
-//! A small document: sections of text, tables and figures, written as Markdown here and as HTML in [`page`](crate::page).
+//! A small document: sections of text, tables and figures, rendered as Markdown here and as HTML in [`page`](crate::page).
 //!
-//! Text may hold `code` in backticks and **words** between double asterisks; everything else is taken literally.
+//! Text may contain `code` in backticks and **words** between double asterisks; everything else is literal.
 
-/// A titled part.
+/// A section with a title.
 pub struct Section {
     /// Heading of the section.
     pub title: String,
-    /// What follows it.
+    /// Its content.
     pub blocks: Vec<Block>,
 }
 
@@ -16,27 +16,27 @@ pub enum Block {
     Text(String),
     /// A paragraph in small print.
     Note(String),
-    /// A paragraph that stands out; `kind` is the class of its frame.
+    /// A highlighted paragraph; `kind` is the class of its frame.
     Verdict {
-        /// What it is, a word.
+        /// The kind, as one word.
         kind: &'static str,
-        /// What it says.
+        /// The text.
         text: String,
     },
-    /// Points of a list.
+    /// Items of a list.
     List(Vec<String>),
     /// Rows below a header.
     Table(Table),
     /// A drawing as wide as the page.
     Figure {
-        /// Its file beside the report.
+        /// File name, in the report's folder.
         file: &'static str,
         /// The drawing itself.
         svg: String,
-        /// What it shows, in words.
+        /// Description.
         caption: String,
     },
-    /// Small drawings, as many in a row as fit.
+    /// Small drawings, in rows as wide as the page.
     Charts(Vec<Drawing>),
 }
 
@@ -44,7 +44,7 @@ pub enum Block {
 pub struct Drawing {
     /// The drawing itself.
     pub svg: String,
-    /// What it shows, in words; empty where its title says it.
+    /// Description; empty if the title suffices.
     pub caption: String,
 }
 
@@ -55,7 +55,7 @@ pub struct Table {
     pub head: Vec<String>,
     /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
-    /// The row that stands out.
+    /// Index of the highlighted row.
     pub chosen: Option<usize>,
 }
 
@@ -92,7 +92,7 @@ impl Section {
         self.blocks.push(Block::Table(table));
     }
 
-    /// As Markdown, with a heading of the first level. Small drawings have no file, and are left out.
+    /// The section as Markdown, with a first-level heading. Small drawings have no file and are omitted.
     pub fn markdown(&self) -> String {
         let mut out = format!("# {}\n", self.title);
         for block in &self.blocks {

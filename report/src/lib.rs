@@ -1,6 +1,6 @@
-//! What every report is made of: numbers in words and digits, charts, pages. Knows nothing of cylinders.
+//! Building blocks of reports: formatted numbers, charts, pages. Independent of cylinders.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
 //! | [`number`] | significant digits, percentages |
 //! | [`axis`], [`series`], [`chart`] | line charts as SVG: round ticks, units on every axis, one palette |

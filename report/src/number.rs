@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Numbers formatted for people.
 
-/// A number with that many significant digits, with an exponent where it is very large or small.
+/// A number with this many significant digits, with an exponent if very large or small.
 pub fn digits(value: f64, significant: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -12,7 +12,7 @@ pub fn digits(value: f64, significant: usize) -> String {
     format!("{value:.*}", (significant as i32 - 1 - exponent).max(0) as usize)
 }
 
-/// A time, in the unit that suits it.
+/// A time in a suitable unit.
 pub fn seconds(value: f64, significant: usize) -> String {
     match value.abs() {
         size if size == 0.0 || size >= 0.1 => format!("{} s", digits(value, significant)),
@@ -21,22 +21,22 @@ pub fn seconds(value: f64, significant: usize) -> String {
     }
 }
 
-/// The number nearest to the value that has so many significant digits.
+/// The value rounded to this many significant digits.
 pub fn rounded(value: f64, significant: usize) -> f64 {
     format!("{value:.*e}", significant.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// A number in as few digits as tell it: `3e-12`, `0.25`, `1000`.
+/// A number with as few digits as necessary: `3e-12`, `0.25`, `1000`.
 pub fn shortest(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// A ratio as a percentage with that many decimals and its sign.
+/// A ratio as a percentage with this many decimals and its sign.
 pub fn signed_percent(ratio: f64, decimals: usize) -> String {
     format!("{:+.decimals$}\u{a0}%", 100.0 * ratio)
 }
 
-/// A ratio as a percentage with that many decimals.
+/// A ratio as a percentage with this many decimals.
 pub fn percent(ratio: f64, decimals: usize) -> String {
     format!("{:.decimals$}\u{a0}%", 100.0 * ratio)
 }

@@ -1,4 +1,4 @@
-//! One HTML page with everything in it: light, printable, readable on a phone, no script, no network.
+//! A self-contained HTML page: light, printable, readable on a phone, no script, no network.
 
 use crate::document::{Block, Drawing, Section, Table};
 
@@ -72,7 +72,7 @@ fn drawing(of: &Drawing) -> String {
     format!("<figure>{}{caption}</figure>\n", scalable(&of.svg).replace('\n', ""))
 }
 
-/// Whether a column is set as numbers are: to the right, in one line. The first names its row.
+/// Whether a column is formatted as numbers: right-aligned, without line breaks. The first column names the row.
 fn is_numeric(table: &Table, column: usize) -> bool {
     let begins_with_digit =
         |cell: &str| cell.trim_start_matches(['+', '-', '±', ' ']).starts_with(|c: char| c.is_ascii_digit());
@@ -98,7 +98,7 @@ fn html_table(table: &Table) -> String {
     )
 }
 
-/// An SVG within HTML, whose size follows the page's width.
+/// An SVG for embedding in HTML, scaled to the page width.
 fn scalable(svg: &str) -> String {
     let Some(begin) = svg.find("<svg") else { return svg.to_owned() };
     let svg = &svg[begin..];
@@ -126,12 +126,12 @@ fn emphasised(text: &str) -> String {
     parts.map(|(i, part)| if i % 2 == 0 { escaped(part) } else { format!("<b>{}</b>", escaped(part)) }).collect()
 }
 
-/// Text for HTML or XML, also as an attribute's value, its control characters replaced.
+/// Text escaped for HTML or XML, also as an attribute value, with control characters replaced.
 pub fn escaped(text: &str) -> String {
     without_control(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Text with `\u{fffd}` in the place of each character that XML and HTML forbid.
+/// Text with `\u{fffd}` in place of each character forbidden in XML and HTML.
 pub(crate) fn without_control(text: &str) -> String {
     let is_forbidden =
         |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');

@@ -1,20 +1,20 @@
-//! A series of a chart: its points, its mark, and its colour, of a palette that colour-blind readers can tell apart
-//! (M. Okabe and K. Ito, "Color Universal Design", 2008).
+//! A series of a chart: points, mark and colour, from a palette that colour-blind readers can distinguish (M. Okabe and K. Ito,
+//! "Color Universal Design", 2008).
 
 use crate::Error;
 use crate::canvas::{Area, Canvas, INK, failed, on, units};
 use plotters::prelude::*;
 
-/// What a colour stands for.
+/// Meaning of a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
     /// Measured or true: black.
     Ink,
-    /// The published method, or the model before: vermilion.
+    /// The published method, or the earlier model: vermilion.
     Before,
-    /// What explains more, or the model after: blue.
+    /// A better explanation, or the final model: blue.
     After,
-    /// Something beside it: grey.
+    /// Additional data: grey.
     Pale,
 }
 
@@ -32,40 +32,40 @@ impl Colour {
 /// How a series is drawn. Sizes in px.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mark {
-    /// A line of that width.
+    /// A line of this width.
     Line(f64),
-    /// A pale line of that width, beneath others.
+    /// A pale line of this width, beneath others.
     Beneath(f64),
-    /// A dashed line of that width.
+    /// A dashed line of this width.
     Dashed(f64),
-    /// Discs of that radius.
+    /// Discs of this radius.
     Dots(f64),
-    /// Rings of that radius.
+    /// Rings of this radius.
     Rings(f64),
-    /// Triangles of that size.
+    /// Triangles of this size.
     Triangles(f64),
-    /// Squares; hollow where not filled.
+    /// Squares; hollow if not filled.
     Squares(f64, bool),
-    /// Squares on a corner; hollow where not filled.
+    /// Squares on a corner; hollow if not filled.
     Diamonds(f64, bool),
-    /// Every two points joined by a line of that width.
+    /// Pairs of points joined by a line of this width.
     Segments(f64),
 }
 
-/// Points with one look.
+/// Points with a common style.
 #[derive(Clone, Debug)]
 pub struct Series<'a> {
     /// The points (x, y), in the units of the axes.
     pub points: Vec<(f64, f64)>,
     /// Colour of marks and lines.
     pub colour: Colour,
-    /// What they are, in the legend; empty: not in it.
+    /// Legend text; empty for no legend entry.
     pub label: &'a str,
     /// How they are drawn.
     pub mark: Mark,
 }
 
-/// Draws a series, its points placed along the axes.
+/// Draws a series at these points along the axes.
 pub(crate) fn draw(
     area: &Area<'_>,
     chart: &mut Canvas<'_, '_>,
@@ -124,7 +124,7 @@ fn marker<'a>(series: &Series<'_>, at: (i32, i32)) -> Vec<DynElement<'a, SVGBack
     }
 }
 
-/// What stands before a legend's entry.
+/// Draws the symbol before a legend entry.
 pub(crate) fn key(area: &Area<'_>, series: &Series<'_>, (left, middle): (f64, f64)) -> Result<(), Error> {
     let colour = series.colour.rgb();
     let line = |from: f64, to: f64, px: f64, strength: f64| {

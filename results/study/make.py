@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The study of this folder, as a user would do it: two sweeps, a page of figures, a table of sensitivities.
+"""The study of this folder, as a user would do it: two sweeps, a page of figures, a table of sensitivity indices.
 
     target/test-environment/bin/python results/study/make.py        (tests/run makes that environment)
 
@@ -24,8 +24,8 @@ from SALib.analyze import sobol
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = os.environ.get("PNEUTHERM", HERE.parents[1] / "target" / "release" / "pneutherm")
-DEAD_VOLUME_M3, GAMMA, INITIAL_STROKE_M = 9.2205e-6, 1.4, 0.25  # of ../model.toml and study.toml
-# Axis, factor from SI, ticks of a logarithmic axis.
+DEAD_VOLUME_M3, GAMMA, INITIAL_STROKE_M = 9.2205e-6, 1.4, 0.25  # as in ../model.toml and study.toml
+# Label, factor from SI, ticks of a logarithmic axis.
 AXES = {
     "volume_to_area_m": ("V/A, mm", 1e3, [3, 4, 6, 8, 12]),
     "initial_pressure_pa": ("initial pressure, bar", 1e-5, [1, 2, 3, 5, 7]),
@@ -68,7 +68,7 @@ def figures(data):
         for panel, (name, (_, scale, ticks)) in zip(line, AXES.items()):
             x, y = data[name] * scale, data[result]
             points = panel.scatter(x[some], y[some], c=pressure[some], norm=colours, s=2, cmap="viridis", linewidths=0, rasterized=True)
-            # The median and the middle 80 % in twelfths of the axis.
+            # The median and the central 80 %, for each twelfth of the axis.
             edges = np.quantile(x, np.linspace(0, 1, 13))
             place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, 11)
             middle = [np.quantile(y[place == k], [0.1, 0.5, 0.9]) for k in range(12)]

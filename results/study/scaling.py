@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Time and memory of a study against its number of rows, whole process with Parquet.
+"""Time and memory of a study as a function of its number of rows; whole process, with Parquet output.
 
     target/test-environment/bin/python results/study/scaling.py [largest power of ten, 8 by default] [scratch folder]
 
-Sealed chamber, five quantities vary, `fit = false`. Writes scaling.md and scaling.svg beside this file.
+Sealed chamber, five varied quantities, `fit = false`. Writes scaling.md and scaling.svg beside this file.
 """
 
 import os
@@ -43,7 +43,7 @@ coefficient_w_per_m2_k = {{ from = 10.0, to = 60.0 }}
 
 
 def measure(rows, scratch):
-    """Seconds, largest resident memory in MiB and bytes of one study."""
+    """Seconds, peak resident memory in MiB, and bytes of one study."""
     study, out = scratch / "study.toml", scratch / "out"
     study.write_text(STUDY.format(rows=rows, model=HERE.parent / "model_one_lambda0.toml"))
     begun = time.monotonic()

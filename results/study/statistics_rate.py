@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""What statistics without rows cost: time, processor time and memory of many rows, and the rate beside rows that are solved only.
+"""Cost of statistics without rows: time, processor time and memory for many rows, and the rate compared with solving only.
 
     cargo build --release -p pneutherm -p pneutherm-sweep --example statistics_rate --bins
     python3 results/study/statistics_rate.py [rows, 1000000000 by default]
 
-The rows of `benches/sealed.toml`. A billion take two minutes of two processors. Writes statistics_rate.md beside this file.
+Uses the rows of `benches/sealed.toml`. A billion takes two minutes on two processors. Writes statistics_rate.md beside this
+file.
 """
 
 import os

@@ -43,10 +43,10 @@ pub struct Args {
     report: Option<PathBuf>,
 }
 
-/// Sets of effects that the table shows.
+/// Number of effect sets shown in the table.
 const SHOWN: usize = 24;
 
-/// Diagnoses, writes what was asked for, and prints the table unless standard output is taken.
+/// Diagnoses, writes the requested files, and prints the table unless standard output is in use.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let rig = Rig::read(&args.rig)?;
     output::check(args.output.iter().chain(&args.json).chain(&args.report), output::files(&rig))?;
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-/// What the verdict means here, in a sentence.
+/// What the verdict means in this case, as a sentence.
 fn meaning(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::Adequate => format!(
@@ -129,7 +129,7 @@ fn table(d: &Diagnosis) -> String {
     out
 }
 
-/// The error of the paper's model and of each step after it: once more with each row weighed, where that is another one.
+/// The errors of the paper's model and of each step after it; also with each row weighted, where that differs.
 fn errors(out: &mut String, d: &Diagnosis) {
     let error = |rmse: &Rmse| {
         let held_out = rmse.held_out.map_or("-".to_owned(), |h| format!("{h:.1}"));
@@ -153,7 +153,7 @@ fn errors(out: &mut String, d: &Diagnosis) {
     out.push('\n');
 }
 
-/// The sets of effects that were tried, and the evidence for each.
+/// The effect sets tried, with the evidence for each.
 fn candidates(out: &mut String, d: &Diagnosis) {
     let _ = writeln!(out, "\n{:>10} {:>12}   effects tried", "delta BIC", "left out, Pa");
     for c in d.candidates.iter().take(SHOWN) {
@@ -162,7 +162,7 @@ fn candidates(out: &mut String, d: &Diagnosis) {
     }
 }
 
-/// The recording's noise, what the interval of λ0 is made of, and each effect's probability.
+/// The recording's noise, the contributions to the interval of λ0, and each effect's probability.
 fn recording(out: &mut String, d: &Diagnosis) {
     let n = &d.noise;
     let mut parts = vec![format!("white {} Pa", digits(n.white_pa, 3))];
@@ -217,7 +217,7 @@ fn empirical(out: &mut String, e: &Empirical) {
     }
 }
 
-/// A missing term as a function of what it follows.
+/// A missing term as a function of its variable.
 fn missing(out: &mut String, m: &Unnamed) {
     let ((quantity, unit), (variable, variable_unit)) = (m.subject.quantity(), m.subject.variable.name());
     let _ = writeln!(
@@ -236,7 +236,7 @@ fn missing(out: &mut String, m: &Unnamed) {
     }
 }
 
-/// A unit as it stands behind a number: nothing of a ratio's, which is 1.
+/// A unit as written after a number: nothing for a dimensionless one, which is 1.
 fn shown(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }
@@ -263,7 +263,7 @@ mod tests {
         };
         assert!(!told(0.0, 0.0, None).contains("coloured"));
         assert!(told(80.0, 0.0032, None).contains("coloured 80.0 Pa with a correlation time of 3.2 ms"));
-        // A line alone has no correlation time.
+        // A pure hum has no correlation time.
         let hum = told(80.0, 0.0, Some(52.5));
         assert!(hum.contains("hum of 80.0 Pa at 52.5 Hz") && !hum.contains("correlation time"), "{hum}");
         assert!(told(80.0, 0.7, Some(52.5)).contains("correlation time of 0.70 s, in it a hum at 52.5 Hz"));

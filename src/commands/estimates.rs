@@ -4,7 +4,7 @@ use identify::fit::covariance::{Estimate, Undetermined};
 use report::digits;
 use std::fmt::Write;
 
-/// Parameters, one a line, with interval and unit.
+/// Parameters, one per line, with interval and unit.
 pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
     let width = parameters.iter().map(|(name, _)| name.len()).fold(44, usize::max);
     let _ = writeln!(out, "{:<width$} {:>13}   {:<28} unit", "parameter", "value", "95 % interval");
@@ -13,7 +13,7 @@ pub fn parameters(out: &mut String, parameters: &[(String, Estimate)]) {
     }
 }
 
-/// Parameters that the data do not determine, and what was assumed.
+/// Parameters that the data do not determine, and the assumptions.
 pub fn notes(out: &mut String, undetermined: &[Undetermined], assumptions: &[String]) {
     for u in undetermined {
         let _ = writeln!(out, "poorly determined by these records: {}", u.words());

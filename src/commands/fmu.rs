@@ -46,9 +46,9 @@ fn version(text: &str) -> Result<Version, String> {
     }
 }
 
-/// Reads the model, writes the FMU.
+/// Reads the model and writes the FMU.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    // Read once: what is no file, as a pipe, gives its text only once.
+    // Read once, because a pipe provides its text only once.
     let model_file = Document::read_as(Kind::Model, &args.model)?;
     let whole = Model::from_document(&model_file)?;
     let mut model = whole.clone();
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if !is_named_as_fmu(&args.output) {
         output::note(&format!("{}: most tools open an FMU only if its name ends in .fmu", args.output.display()));
     }
-    // With what the model says of how a stroke is recorded: the inputs inside are the piston's true stroke.
+    // Uses the model's effects on the stroke record: the inputs in the FMU are the piston's true stroke.
     let (validations, left_out_rows) =
         rig.as_ref().map_or_else(|| Ok(Default::default()), |rig| measured::validations(&whole, rig))?;
     rig.iter().flat_map(|rig| measured::notes(&whole, rig)).chain(left_out_rows).for_each(|note| output::note(&note));
@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether the file's name ends in `.fmu`; what is no file, as standard output and devices, needs none.
+/// Whether the file's name ends in `.fmu`; standard output and devices need no such name.
 fn is_named_as_fmu(path: &Path) -> bool {
     let is_file = !output::is_stdout(path) && (path.is_file() || !path.exists());
     !is_file || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"))

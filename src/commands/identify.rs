@@ -38,7 +38,7 @@ enum Choice {
     TimeConstant,
 }
 
-/// Identifies, writes what was asked for, and prints the table unless standard output is taken.
+/// Identifies, writes the requested files, and prints the table unless standard output is in use.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let method = match args.method {
         Choice::Exact => Method::Exact,

@@ -1,4 +1,4 @@
-//! `pneutherm look`: what a trace file holds, and a rig file for it.
+//! `pneutherm look`: the contents of a trace file, and a rig file for it.
 
 use crate::output;
 use anyhow::{anyhow, bail};
@@ -59,7 +59,7 @@ fn bore(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Looks, writes what was asked for, and prints what was found unless standard output is taken.
+/// Examines the file, writes the requested files, and prints the findings unless standard output is in use.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     output::check(args.output.iter().chain(&args.json), [args.trace.as_path()])?;
     let names = Names { time: args.time.clone(), pressure: args.pressure.clone(), position: args.position.clone() };
@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     output::print(out.as_bytes())
 }
 
-/// Refuses to replace a rig file that has been filled in since, or is another's.
+/// Refuses to replace a rig file that has been edited or belongs to another trace.
 fn refuse_other_rig(path: &Path, rig: &str) -> anyhow::Result<()> {
     let is_other = || !std::fs::read(path).is_ok_and(|bytes| bytes == rig.as_bytes());
     if !output::is_stdout(path) && path.is_file() && is_other() {
@@ -112,7 +112,7 @@ fn cycles(found: &Found) -> (Vec<Cycle>, usize) {
     motion::cycles([&trace.time_s, pressure, &trace.position_m], &found.readings, &found.phases)
 }
 
-/// The trace's path as a rig file at `rig` has to name it: relative to its folder where both are in one.
+/// Path of the trace as written in a rig file at `rig`: relative if both are in the same folder.
 fn named_from(trace: &Path, rig: Option<&Path>) -> anyhow::Result<String> {
     let folder = |path: &Path| match path.parent() {
         Some(parent) if parent != Path::new("") => std::fs::canonicalize(parent).ok(),
@@ -120,12 +120,12 @@ fn named_from(trace: &Path, rig: Option<&Path>) -> anyhow::Result<String> {
     };
     let elsewhere = rig.is_some_and(|rig| !output::is_stdout(rig) && folder(rig) != folder(trace));
     let path = match trace.file_name() {
-        // The rig file lies elsewhere.
+        // The rig file is in another folder.
         _ if elsewhere => std::fs::canonicalize(trace).unwrap_or_else(|_| trace.to_owned()),
         Some(name) if rig.is_some() => name.into(),
         _ => trace.to_owned(),
     };
-    // Another name would be that of another file.
+    // A lossy conversion would name another file.
     let path = path.into_os_string().into_string();
     path.map_err(|name| anyhow!("{}: the name is no UTF-8 text, as a rig file is; rename the file", name.display()))
 }
@@ -133,9 +133,9 @@ fn named_from(trace: &Path, rig: Option<&Path>) -> anyhow::Result<String> {
 /// Push-and-hold tests in a file.
 struct Tests<'a> {
     cycles: &'a [Cycle],
-    /// Moves with the port open.
+    /// Number of moves with the port open.
     open: usize,
-    /// Whether each becomes an experiment of its own.
+    /// Whether each becomes a separate experiment.
     split: bool,
 }
 
@@ -187,7 +187,7 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
     out
 }
 
-/// Digits of a time: microseconds of a day's seconds, milliseconds of those since 1970.
+/// Digits of a time: enough for microseconds within a day and milliseconds since 1970.
 const TIME_DIGITS: usize = 12;
 
 fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
@@ -208,7 +208,7 @@ fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
     for note in trace.notes() {
         let _ = writeln!(out, "note: {note}");
     }
-    // Seconds since 1970 are wider than seconds of a record.
+    // Seconds since 1970 are wider than seconds within a record.
     let width = format!("{last:.3}").len().max(10);
     let _ = writeln!(
         out,
@@ -248,7 +248,7 @@ fn record(out: &mut String, found: &Found, tests: &Tests<'_>) {
     }
 }
 
-/// The value to four significant digits.
+/// The value rounded to four significant digits.
 fn digits(value: f64) -> f64 {
     rounded(value, 4)
 }

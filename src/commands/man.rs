@@ -15,10 +15,10 @@ pub struct Args {
     command: Option<String>,
 }
 
-/// Prints the page, as roff.
+/// Prints the page as roff.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut program = crate::Cli::command();
-    // Gives each command its full name, `pneutherm simulate`.
+    // Sets each command's full name, `pneutherm simulate`.
     program.build();
     let command = match &args.command {
         None => program,

@@ -1,6 +1,6 @@
-//! The commands. A new one is its file here, a `mod` line, a variant of [`Command`] and an arm of [`Command::run`].
+//! The commands. A new one needs its file here, a `mod` line, a variant of [`Command`] and an arm of [`Command::run`].
 //!
-//! A command's file holds `Args` (clap's, with an example in its `after_help`) and `run(&Args) -> anyhow::Result<()>`.
+//! A command's file contains `Args` (for clap, with an example in `after_help`) and `run(&Args) -> anyhow::Result<()>`.
 
 mod completions;
 mod diagnose;

@@ -1,6 +1,6 @@
-//! How long work goes on: a bar on a terminal, or a line of JSON a second for programs, on standard error.
+//! Progress of a run on standard error: a bar on a terminal, or one line of JSON per second for programs.
 //!
-//! The rate is that of the rows this run has solved since it began; rows that were there already count as done only.
+//! The rate counts only rows solved by this run; rows that already existed count only as done.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -26,7 +26,7 @@ impl Telling {
     }
 }
 
-/// Rows done of those there are.
+/// Progress in rows.
 pub struct Progress {
     telling: Telling,
     rows: u64,
@@ -45,17 +45,17 @@ impl sweep::progress::Progress for Progress {
     }
 }
 
-/// How things stand.
+/// The present progress.
 struct Standing {
     done: u64,
     found: u64,
     rate: f64,
-    /// Not before the first row.
+    /// `None` before the first row.
     seconds_left: Option<f64>,
 }
 
 impl Progress {
-    /// Of that many rows, from now on.
+    /// Starts now, for this many rows.
     pub fn new(telling: Telling, rows: u64) -> Self {
         let zero = || AtomicU64::new(0);
         Self { telling, rows, solved: zero(), found: zero(), begun: Instant::now() }
@@ -68,7 +68,7 @@ impl Progress {
         Standing { done: solved + found, found, rate, seconds_left: (solved > 0).then(|| left / rate) }
     }
 
-    /// Does some work and tells of it meanwhile.
+    /// Runs `work` and reports its progress.
     pub fn during<T>(&self, work: impl FnOnce(&Self) -> T) -> T {
         std::thread::scope(|scope| {
             let (end, ended) = channel::<()>();
@@ -106,13 +106,13 @@ impl Progress {
                 "seconds_elapsed": self.begun.elapsed().as_secs_f64(),
                 "seconds_left": now.seconds_left,
             });
-            // When nobody reads there is nobody to tell.
+            // A closed standard error is ignored.
             let _ = writeln!(io::stderr(), "{line}");
         }
     }
 }
 
-/// A bar of that template on standard error; hidden where that is no terminal.
+/// A progress bar with this template on standard error; hidden if that is not a terminal.
 pub fn bar(length: u64, template: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template(template) {
@@ -121,7 +121,7 @@ pub fn bar(length: u64, template: &str) -> ProgressBar {
     bar
 }
 
-/// Does some work that cannot say how far it is, while something turns on a terminal.
+/// Runs work of unknown progress, with a spinner on a terminal.
 pub fn while_turning<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     let turning = ProgressBar::new_spinner().with_message(what);
     turning.enable_steady_tick(Duration::from_millis(100));

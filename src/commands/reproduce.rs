@@ -3,7 +3,7 @@
 use crate::{output, reproduce};
 use std::path::{Path, PathBuf};
 
-/// Those that nothing else writes: a folder with one of them was written before, if only in part.
+/// Files written by no other program: a folder with one of them contains earlier results, at least in part.
 const OWN: [&str; 2] = ["model_one_lambda0.toml", "section31.json"];
 
 /// Reproduce the paper's results from its own tables: data, figures and a report
@@ -17,7 +17,7 @@ pub struct Args {
     output: PathBuf,
 }
 
-/// Writes the folder and lists what is in it.
+/// Writes the folder and lists its files.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     refuse_files_of_others(&args.output)?;
     let files = reproduce::run(&args.output)?;
@@ -25,7 +25,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     output::print(lines.as_bytes())
 }
 
-/// Refuses a folder in which files of other work would be replaced.
+/// Refuses a folder in which files of other origin would be replaced.
 fn refuse_files_of_others(folder: &Path) -> anyhow::Result<()> {
     if OWN.iter().any(|name| folder.join(name).is_file()) {
         return Ok(());

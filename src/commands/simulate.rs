@@ -90,7 +90,7 @@ fn table(simulated: &Simulated) -> String {
     std::iter::once(header).chain((0..simulated.samples.len()).map(row)).collect()
 }
 
-/// The shortest text that reads back the same, with an exponent where zeros would lead.
+/// The shortest notation that reads back unchanged, with an exponent where there would be leading zeros.
 fn cell(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }

@@ -1,4 +1,4 @@
-//! `pneutherm validate`: a model against records that took no part in finding it.
+//! `pneutherm validate`: compares a model with records not used in its identification.
 
 use crate::commands::{estimates, progress};
 use crate::pages::validation;
@@ -39,7 +39,7 @@ pub struct Args {
     report: Option<PathBuf>,
 }
 
-/// Validates, writes what was asked for, and prints the table unless standard output is taken.
+/// Validates, writes the requested files, and prints the table unless standard output is in use.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let (model, rig) = (Model::read(&args.model)?, Rig::read(&args.rig)?);
     output::check(args.json.iter().chain(&args.report), output::files(&rig).chain([args.model.as_path()]))?;

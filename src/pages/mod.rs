@@ -1,11 +1,11 @@
-//! The pages that `diagnose --report` and `validate --report` write, and what they share.
+//! The pages written by `diagnose --report` and `validate --report`, and shared functions.
 
 pub mod diagnosis;
 mod quantities;
 mod record_table;
 pub mod validation;
 
-/// The last part of a path.
+/// The last component of a path.
 fn file(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }

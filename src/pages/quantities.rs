@@ -1,36 +1,36 @@
-//! Parameters in words and in units that an engineer uses, instead of paths and SI.
+//! Parameters in an engineer's words and units, instead of paths and SI.
 
 use chamber::effects;
 use report::digits;
 
-/// A parameter as people say it.
+/// A parameter in words.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// What it is, in words.
+    /// Its name, in words.
     pub name: String,
-    /// Its unit; empty for a plain number.
+    /// Its unit; empty if dimensionless.
     pub unit: &'static str,
-    /// Its unit's number over the SI number.
+    /// Factor from SI to its unit.
     per_si: f64,
-    /// Added after that: temperatures in °C.
+    /// Offset added after the factor: for temperatures in °C.
     offset: f64,
 }
 
 impl Quantity {
-    /// Of a name and an SI unit as results have them; `size` is a value that it takes.
+    /// From a name and SI unit as in results; `size` is a typical value.
     pub fn of(path: &str, si: &str, size: f64) -> Self {
         let (unit, per_si, offset) = unit(path, si, size.abs());
         Self { name: name(path), unit, per_si, offset }
     }
 
-    /// A value with that many significant digits, without unit.
+    /// A value with this many significant digits, without unit.
     pub fn number(&self, si: f64, significant: usize) -> String {
         let value = si * self.per_si + self.offset;
-        // A temperature's digits are those of its difference from a comfortable one.
+        // With an offset zero, as in °C, significant digits mean nothing: one decimal instead.
         if self.offset == 0.0 { digits(value, significant) } else { format!("{value:.1}") }
     }
 
-    /// Its name and unit, for the head of a column or row.
+    /// Its name and unit, for a column or row header.
     pub fn headed(&self) -> String {
         self.under(&self.name)
     }
@@ -47,7 +47,7 @@ impl Quantity {
     }
 }
 
-/// A pressure difference, in the unit that suits it.
+/// A pressure difference, in a suitable unit.
 pub fn pressure(pa: f64, significant: usize) -> String {
     match pa.abs() {
         size if size >= 1e4 => format!("{}\u{a0}bar", digits(pa * 1e-5, significant)),
@@ -75,13 +75,13 @@ fn name(path: &str) -> String {
     }
 }
 
-/// What a record has for a gap of it, by its number.
+/// A parameter of the gas after a numbered gap in a record.
 fn behind_gap(path: &str) -> Option<String> {
     let (gap, key) = path.strip_prefix("behind_gap_")?.split_once('.')?;
     Some(format!("{} of the gas behind gap {gap}", spaced(key)))
 }
 
-/// A parameter of an effect: the first words of its card.
+/// A parameter of an effect: the first words of its description on the card.
 fn of_effect(path: &str) -> Option<String> {
     let (effect, key) = path.split_once('.')?;
     let (_, card) = effects::find(effect)?;
@@ -90,12 +90,12 @@ fn of_effect(path: &str) -> Option<String> {
     Some(format!("{}: {}", spaced(effect), lower(words)))
 }
 
-/// A name of files as words.
+/// A name from a file as words.
 pub fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// With a small first letter, unless it begins with an abbreviation.
+/// With a lower-case first letter, unless it begins with an abbreviation.
 pub fn lower(text: &str) -> String {
     let mut letters = text.chars();
     match (letters.next(), text.chars().nth(1)) {
@@ -120,7 +120,7 @@ fn unit(path: &str, si: &str, size: f64) -> (&'static str, f64, f64) {
         "kg" => ("g", 1e3, 0.0),
         "kg/s" => ("mg/s", 1e6, 0.0),
         "m/s" => ("mm/s", 1e3, 0.0),
-        // ISO 6358's own unit; a worn seal is far below one of it.
+        // The unit of ISO 6358; a worn seal is far below one of it.
         "m3/(s.Pa)" if size >= 1e-10 => ("dm³/(s·bar)", 1e8, 0.0),
         "m3/(s.Pa)" => ("mm³/(s·bar)", 1e14, 0.0),
         "W/(m2.K)" => ("W/(m²·K)", 1.0, 0.0),

@@ -1,10 +1,10 @@
-//! The table of records with the numbers that each has for itself.
+//! The table of records with their per-record parameters.
 
 use super::quantities::{Quantity, spaced};
 use identify::outcome::estimates::Estimates;
 use report::document::Table;
 
-/// A row for each record: the cells under `head`, then its own numbers, each column headed by what it is and its unit.
+/// One row per record: the cells under `head`, then its per-record parameters, each column headed by name and unit.
 pub fn table(head: &[&str], records: &[(Vec<String>, &Estimates)]) -> Table {
     let mut table = Table::new(head);
     let Some((_, first)) = records.first() else { return table };
@@ -15,7 +15,7 @@ pub fn table(head: &[&str], records: &[(Vec<String>, &Estimates)]) -> Table {
     for (name, quantity) in &quantities {
         let effect = name.split_once('.').map(|(effect, _)| effect);
         let alike = |other: &str| other.split_once('.').map(|(effect, _)| effect) == effect;
-        // Of an effect with one number here, its name says what the number is.
+        // If an effect has only one parameter here, the effect's name is sufficient.
         let is_alone = first.iter().filter(|(other, _)| alike(other)).count() == 1;
         table.head.push(match effect {
             Some(effect) if is_alone => quantity.under(&spaced(effect)),

@@ -1,4 +1,4 @@
-//! The page that `validate --report` writes: a model on records that took no part in its fit.
+//! The page written by `validate --report`: a model on records not used in its fit.
 
 use super::quantities::pressure;
 use super::{file, record_table};
@@ -12,7 +12,7 @@ const WIDTH: u32 = 440;
 /// How well a model predicts other records, as one self-contained HTML page.
 ///
 /// # Errors
-/// A drawing that failed.
+/// If a drawing fails.
 pub fn html(model: &Path, rig: &Path, found: &Validated) -> Result<String, Error> {
     let v = &found.validation;
     let mut result = Section::new("Result");
@@ -54,7 +54,7 @@ fn records(found: &Validated) -> Table {
     record_table::table(&["record", "error, Pa", "compared from, s"], &records.collect::<Vec<_>>())
 }
 
-/// A record's pressure with the model's, above its residual.
+/// A record's measured and simulated pressure, above its residual.
 fn record(found: &Validated, k: usize) -> Result<Drawing, Error> {
     let (t, residual) = (&found.data.traces[k], &found.residuals[k]);
     let rows = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {

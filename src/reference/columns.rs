@@ -1,4 +1,4 @@
-//! The page of columns: traces, `simulate`, studies and what a study can vary.
+//! The page of columns: those of traces, `simulate` and studies, and what a study can vary.
 
 use super::{MADE, table};
 use crate::simulation::columns::COLUMNS;

@@ -19,7 +19,7 @@ fn page() -> String {
     page
 }
 
-/// What a fit of the effect does with a parameter, if more than to free it.
+/// Note on when a fit of the effect frees a parameter, if not always.
 fn when_fitted(fitted: Fitted) -> &'static str {
     match fitted {
         Fitted::Always => "",

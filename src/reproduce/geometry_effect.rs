@@ -1,4 +1,4 @@
-//! The loop on the six measured points: `geometry_effect.json` and a section of the report.
+//! The fits to the six measured points: `geometry_effect.json` and a section of the report.
 
 use super::figures;
 use anyhow::{Context, Result};
@@ -6,7 +6,7 @@ use paper::geometry_effect::{COLUMN_HALF, FORMS, GeometryEffect, ONE_LAMBDA0, Ou
 use report::{Block, Section, Table, digits, percent};
 use serde_json::{Map, Value, json};
 
-/// The list that `geometry_effect.json` holds: every form that was tried.
+/// The list in `geometry_effect.json`: every form tried.
 pub fn entries(effect: &GeometryEffect) -> Vec<Value> {
     let entry = |o: &Outcome| {
         let values: Map<String, Value> = o.values.iter().map(|v| (v.name.clone(), v.value.into())).collect();
@@ -25,7 +25,7 @@ pub fn entries(effect: &GeometryEffect) -> Vec<Value> {
 /// The section of the report.
 ///
 /// # Errors
-/// A drawing that fails.
+/// If a drawing fails.
 pub fn section(effect: &GeometryEffect) -> Result<Section> {
     let mut section = Section::new("A coefficient that depends on the column length: a hypothesis");
     let before = effect.outcome(ONE_LAMBDA0).context("the baseline is missing")?;

@@ -1,4 +1,4 @@
-//! What `pneutherm reproduce` writes: the paper's numbers from its own tables, ours beside them.
+//! Output of `pneutherm reproduce`: the paper's numbers from its own tables, with ours for comparison.
 
 mod figures;
 mod geometry_effect;
@@ -20,10 +20,10 @@ use report::{Block, Section};
 use std::path::{Path, PathBuf};
 use studies::Law;
 
-/// Writes everything into the folder, which is made when absent, and returns the files in the order they were written.
+/// Writes everything into the folder, which is created if missing, and returns the files in the order written.
 ///
 /// # Errors
-/// A file that cannot be written, named, before any work.
+/// If a file cannot be written; checked before any work.
 pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
     let paths = FILES.map(|(name, _)| folder.join(name));
@@ -37,15 +37,15 @@ pub fn run(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths.into())
 }
 
-/// The identified chamber: actuator A with the coefficient of all six tests and the column's length in λ.
+/// The identified chamber: actuator A with the coefficient from all six tests, and λ depending on the column length.
 const MODEL: &str = "model.toml";
-/// The same with one λ0.
+/// The same with a single λ0.
 const MODEL_ONE_LAMBDA0: &str = "model_one_lambda0.toml";
 
-/// What a file of that name holds; nothing where that wrote the file itself.
+/// Content of the file with that name; `None` if the function wrote the file itself.
 type Content = fn(&mut Work<'_>, &str) -> Result<Option<Vec<u8>>>;
 
-/// All files, each with what it holds, in the order in which they are written.
+/// All files with their contents, in the order of writing.
 const FILES: [(&str, Content); 20] = [
     (MODEL, |w, _| text(&w.model(Law::Column).to_toml()?)),
     (MODEL_ONE_LAMBDA0, |w, _| text(&w.model(Law::Flat).to_toml()?)),
@@ -69,7 +69,7 @@ const FILES: [(&str, Content); 20] = [
     ("report.html", |w, _| text(&report::page::page(TITLE, LEAD, w.sections()?))),
 ];
 
-/// Names of all files that are written.
+/// Names of all files written.
 pub fn files() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)
 }
@@ -87,14 +87,14 @@ const LEAD: &str = "From the tables of J. F. Carneiro and F. Gomes de Almeida, H
      cylinders, Proc. IMechE Part I (2006), DOI 10.1243/09596518JSCE188. Everything on this page was computed and written by \
      `pneutherm reproduce`; beside it lie the same results as data.";
 
-/// What the files are made of.
+/// Data from which the files are made.
 struct Work<'a> {
     folder: &'a Path,
     section31: Section31,
     measured: Measured,
     effect: GeometryEffect,
     models: [Model; 2],
-    /// The report's; there once the studies are.
+    /// The report's sections; available after the studies.
     sections: Vec<Section>,
 }
 
@@ -120,7 +120,7 @@ impl<'a> Work<'a> {
         fmu_of_model::package(Version::Two, &Identity::reference(), model, model.to_toml()?.as_bytes(), &[])
     }
 
-    /// The report's sections, made of the studies in the folder when they are first asked for.
+    /// The report's sections, made on first use from the studies in the folder.
     fn sections(&mut self) -> Result<&[Section]> {
         if self.sections.is_empty() {
             let [studied, flat] = [studies::read(self.folder, Law::Column)?, studies::read(self.folder, Law::Flat)?];
@@ -137,7 +137,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A drawing of the report, each of which is a file too.
+/// A drawing of the report, each of which is also a file.
 fn figure(work: &mut Work<'_>, name: &str) -> Result<Option<Vec<u8>>> {
     let mut found = None;
     for block in work.sections()?.iter().flat_map(|section| &section.blocks) {

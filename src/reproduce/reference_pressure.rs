@@ -1,11 +1,11 @@
-//! Appendix 2 of the paper, the pressure that λ0 refers to, as a section of the report.
+//! Appendix 2 of the paper, the reference pressure of λ0, as a section of the report.
 
 use chamber::{Gas, paper};
 use report::{Section, digits};
 
 /// Supply pressure of the paper's servovalve, Pa.
 const SUPPLY_PA: f64 = 7e5;
-/// The ratio as the paper prints it.
+/// The ratio as printed in the paper.
 const PRINTED_RATIO: f64 = 0.8077;
 
 /// The section of the report.

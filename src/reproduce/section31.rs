@@ -8,7 +8,7 @@ use report::{Block, Section, Table, digits, percent, signed_percent};
 /// The section of the report.
 ///
 /// # Errors
-/// A drawing that fails.
+/// If a drawing fails.
 pub fn section(found: &Section31) -> Result<Section> {
     let mut section = Section::new("Section 3.1: the simulated test");
     let timing = found.timing;
@@ -55,7 +55,7 @@ pub fn section(found: &Section31) -> Result<Section> {
     Ok(section)
 }
 
-/// Relative error of the λ0 that the paper prints.
+/// Relative error of the λ0 printed in the paper.
 fn printed_error(found: &Section31) -> f64 {
     let printed = found.lines.iter().find(|l| l.symbol == "lambda0_hat").and_then(|l| l.paper);
     printed.map_or(f64::NAN, |p| p / found.description.coefficient_w_per_m2_k - 1.0)
@@ -80,7 +80,7 @@ fn comparison(found: &Section31) -> Table {
     table
 }
 
-/// How far λ0 of the published steps moves, relatively, when the push takes 0.03 to 0.05 s.
+/// Relative change of λ0 from the published steps for push times of 0.03 to 0.05 s.
 fn push_time_sensitivity(found: &Section31) -> Result<f64> {
     let mut largest = 0.0_f64;
     for push_s in [0.03, 0.05] {

@@ -1,10 +1,10 @@
-//! The studies behind table 5's trend: dense push-and-hold tests over bore, stroke and pressure.
+//! The studies of table 5's trend: dense push-and-hold tests over bore, stroke and pressure.
 //!
-//! One with λ ∝ √(P T) l^(−1/2) and the coefficient identified from the six measured tests, and its sibling with one λ0.
-//! Strokes, dead volume and push keep their proportions over all rows (final stroke half the initial one, dead volume a
-//! tenth of the final swept volume, push of one time constant, hold of ten), so that the bias of the paper's fit is nearly
-//! the same in every row and makes no trend of its own. Each study is written as a user would: a model, a study file and a
-//! table of points, from which `pneutherm sweep` gives the same rows.
+//! One has λ ∝ √(P T) l^(−1/2) and the coefficient identified from the six measured tests, the other a single λ0. Strokes, dead
+//! volume and push keep their proportions over all rows (final stroke half the initial one, dead volume a tenth of the final
+//! swept volume, push of one time constant, hold of ten), so that the bias of the paper's fit is nearly the same in every row and
+//! causes no trend. Each study is written as a user would: a model, a study file and a table of points, from which `pneutherm
+//! sweep` gives the same rows.
 
 use anyhow::{Context, Result, ensure};
 use arrow::array::AsArray;
@@ -20,7 +20,7 @@ use report::number::rounded;
 use std::fs::File;
 use std::path::Path;
 
-/// A row of a study as the trend's figure needs it. SI units.
+/// A row of a study for the trend's figure. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrendPoint {
     /// Bore of the cylinder, m.
@@ -31,15 +31,15 @@ pub struct TrendPoint {
     pub initial_pressure_pa: f64,
     /// V/A at the final stroke, m.
     pub volume_to_area_m: f64,
-    /// λ0 by the paper's steps, W/(m² K).
+    /// λ0 from the paper's steps, W/(m² K).
     pub coefficient_0_w_per_m2_k: f64,
 }
 
-/// Bores, m: common sizes, those of the paper's actuators among them.
+/// Bores, m: common sizes, including those of the paper's actuators.
 const BORES_M: [f64; 7] = [0.012, 0.016, 0.020, 0.025, 0.032, 0.040, 0.063];
-/// Initial pressures, Pa: those of the paper's two series (second in the mean), and up to a usual supply.
+/// Initial pressures, Pa: those of the paper's two series (the mean, for the second), up to a usual supply.
 const PRESSURES_PA: [f64; 4] = [1.01e5, 3.2e5, 5.0e5, 7.0e5];
-/// Initial strokes, m: shortest, longest and number, geometrically spaced.
+/// Initial strokes, m: shortest, longest and number, spaced geometrically.
 const STROKES_M: (f64, f64, usize) = (0.05, 1.0, 40);
 /// Final over initial stroke.
 const FINAL_STROKE: f64 = 0.5;
@@ -50,7 +50,7 @@ const HOLD_TIME_CONSTANTS: f64 = 10.0;
 /// Pressure of the surroundings, Pa: the initial pressure of the first series.
 const AMBIENT_PRESSURE_PA: f64 = 1.01e5;
 
-/// Which λ a study is made with.
+/// The law of λ in a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// λ ∝ √(P T) l^(−1/2).
@@ -60,7 +60,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Name of the study, and of its files before their endings.
+    /// Name of the study, and of its files without extensions.
     pub fn study(self) -> &'static str {
         match self {
             Law::Column => "table5_sweep",
@@ -68,7 +68,7 @@ impl Law {
         }
     }
 
-    /// λ0 over that at the reference length, for a gas column of that length, m.
+    /// λ0 relative to that at the reference length, for a gas column of this length, m.
     fn factor(self, column_m: f64) -> f64 {
         match self {
             Law::Column => (column_m / REFERENCE_LENGTH_M).powf(-0.5),
@@ -76,8 +76,8 @@ impl Law {
         }
     }
 
-    /// λ0 (at the reference length), W/(m² K): the geometric mean over the six tests, each λ0 that of the exact decay behind
-    /// the printed regression.
+    /// λ0 (at the reference length), W/(m² K): the geometric mean over the six tests, each from the exact decay behind the
+    /// printed regression.
     fn coefficient(self, measured: &Measured) -> f64 {
         let ln = |row: &Row| {
             let column = row.steps.final_volume_m3.value / row.setup.geometry.piston_area;
@@ -87,10 +87,10 @@ impl Law {
     }
 }
 
-/// The chamber of actuator A with the coefficient identified from all six tests: what the FMU and the studies begin from.
+/// The chamber of actuator A with the coefficient identified from all six tests: the basis of the FMU and the studies.
 ///
 /// # Errors
-/// No test of actuator A.
+/// If there is no test of actuator A.
 pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let of_a: Vec<&Row> = measured.rows.iter().filter(|r| r.test.actuator == "A").collect();
     let first = of_a.first().context("the paper's tables hold no test of actuator A")?;
@@ -113,10 +113,10 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
 
 const PROGRAM: &str = concat!("pneutherm ", env!("CARGO_PKG_VERSION"));
 
-/// Significant digits of a study's numbers: what the paper's tables can carry, and a file that a person can read.
+/// Significant digits of a study's numbers: as justified by the paper's tables, and readable in a file.
 const DIGITS: usize = 5;
 
-/// The study's points as CSV: one row for each bore, stroke and pressure.
+/// The study's points as CSV: one row per bore, stroke and pressure.
 pub fn points(model: &Model, law: Law) -> String {
     let mut out =
         String::from("bore_m,initial_stroke_m,final_stroke_m,chamber.dead_volume_m3,initial_pressure_pa,push_time_s\n");
@@ -148,7 +148,7 @@ fn time_constant(model: &Model, law: Law, bore: f64, dead_volume: f64, strokes: 
     1.0 / Closed::filled(&chamber, pressure, ambient, initial, ambient).rate(last)
 }
 
-/// Text of a study's own file.
+/// Text of the study file.
 pub fn study(model_file: &str, law: Law) -> String {
     let name = law.study();
     format!(
@@ -158,10 +158,10 @@ pub fn study(model_file: &str, law: Law) -> String {
     )
 }
 
-/// Carries the study in that folder out, into a Parquet file beside it.
+/// Runs the study in that folder, into a Parquet file beside it.
 ///
 /// # Errors
-/// A study or model that cannot be read, a file that cannot be written, a row that is not ok.
+/// If a study or model cannot be read, a file cannot be written, or a row is not ok.
 pub fn run(folder: &Path, law: Law) -> Result<()> {
     let name = law.study();
     let study = sweep::Study::read(&folder.join(format!("{name}.toml")))?;
@@ -171,10 +171,10 @@ pub fn run(folder: &Path, law: Law) -> Result<()> {
     Ok(())
 }
 
-/// Reads back what the trend's figure needs.
+/// Reads the data for the trend's figure.
 ///
 /// # Errors
-/// A file that is not such a study.
+/// If the file is not such a study.
 pub fn read(folder: &Path, law: Law) -> Result<Vec<TrendPoint>> {
     let path = folder.join(format!("{}.parquet", law.study()));
     let unreadable = || format!("{}: cannot be read", path.display());

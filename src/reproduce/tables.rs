@@ -1,4 +1,4 @@
-//! Tables 4 and 5 as CSV, ours beside the paper's, and as a section of the report.
+//! Tables 4 and 5 as CSV, with our values beside the paper's, and as a section of the report.
 
 use anyhow::{Context, Result};
 use paper::measured::Measured;
@@ -8,7 +8,7 @@ use report::{Section, Table, digits, signed_percent};
 /// Table 4 as CSV.
 ///
 /// # Errors
-/// A damaged embedded table.
+/// If an embedded table is damaged.
 pub fn table4(measured: &Measured) -> Result<String> {
     beside(&tables::Table::parse(TABLE_4)?, measured)
 }
@@ -16,12 +16,12 @@ pub fn table4(measured: &Measured) -> Result<String> {
 /// Table 5 as CSV.
 ///
 /// # Errors
-/// A damaged embedded table.
+/// If an embedded table is damaged.
 pub fn table5(measured: &Measured) -> Result<String> {
     beside(&tables::Table::parse(TABLE_5)?, measured)
 }
 
-/// Each computed column followed by ours (`_ours`) and the relative difference (`_difference`).
+/// Each computed column followed by our values (`_ours`) and the relative difference (`_difference`).
 fn beside(paper: &tables::Table, measured: &Measured) -> Result<String> {
     let mut head = Vec::new();
     for (i, column) in paper.columns.iter().enumerate() {
@@ -38,7 +38,7 @@ fn beside(paper: &tables::Table, measured: &Measured) -> Result<String> {
     Ok(out)
 }
 
-/// Columns that name a row: experiment and actuator.
+/// Number of columns that identify a row: experiment and actuator.
 const KEYS: usize = 2;
 
 fn row_beside(paper: &tables::Table, measured: &Measured, row: usize) -> Result<Vec<String>> {
@@ -62,7 +62,7 @@ fn row_of<'a>(measured: &'a Measured, experiment: &str, actuator: &str) -> Resul
 /// The section of the report.
 ///
 /// # Errors
-/// A damaged embedded table.
+/// If an embedded table is damaged.
 pub fn section(measured: &Measured) -> Result<Section> {
     let mut section = Section::new("Tables 4 and 5: six measured tests");
     let t = &measured.ambient.temperature_k;
@@ -118,7 +118,7 @@ fn coefficients(measured: &Measured) -> Result<Table> {
     Ok(table)
 }
 
-/// The largest difference of each column, with what half a unit of the last printed digit amounts to.
+/// The largest difference in each column, with the effect of half a unit of the last printed digit.
 fn largest_differences(measured: &Measured) -> Result<Table> {
     let mut table = Table::new(&["column", "table", "largest difference", "rounding of the printed digits (that row)"]);
     for (name, source) in [("4", TABLE_4), ("5", TABLE_5)] {

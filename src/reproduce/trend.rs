@@ -7,10 +7,10 @@ use paper::measured::Measured;
 use records::Model;
 use report::{Block, Section, Table, digits, percent};
 
-/// The section of the report; `studied` with the column's length in λ, `flat` with one λ0.
+/// The section of the report; `studied` with the column length in λ, `flat` with a single λ0.
 ///
 /// # Errors
-/// A drawing that fails.
+/// If a drawing fails.
 pub fn section(
     measured: &Measured,
     models: [&Model; 2],

@@ -1,10 +1,10 @@
-//! The band in which a simulated motion lies, as well as its model is known: draws of the identified parameters from
-//! their covariance, each simulated along the motion, and the quantiles of what they give at each row.
+//! Prediction band of a simulated motion, from the model's uncertainty: draws of the identified parameters from their covariance,
+//! each simulated along the motion, and quantiles of the results at each row.
 //!
-//! The band of `pressure_pa` is that of a record to be measured: it adds the scatter that the model left in the records
-//! that it was identified from, as normal noise, independent from row to row, and the error of the pressure at the start,
-//! which is a mean over the rows at rest. With F the mean of the draws' normal distributions at a row, its ends are
-//! F⁻¹((1 ∓ level)/2). The bands of all other columns hold the parameters' uncertainty and that of the start.
+//! The band of `pressure_pa` is that of a record to be measured: it adds the scatter left by the model in the records of its
+//! identification, as normal noise independent between rows, and the error of the initial pressure, which is a mean over the rows
+//! at rest. With F the mean of the draws' normal distributions at a row, its ends are F⁻¹((1 ∓ level)/2). The bands of all other
+//! columns include the uncertainty of the parameters and of the initial pressure.
 
 use super::columns::{COLUMNS, Column, Values};
 use super::course::Course;
@@ -18,28 +18,28 @@ use sweep::quantity::distribution::{Distribution, Limits, normal};
 use sweep::quantity::point::Point;
 use sweep::quantity::uncertain::{self, Uncertain};
 
-/// What is asked for.
+/// The requested band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
-    /// How many draws.
+    /// Number of draws.
     pub samples: u32,
     /// Seed of the draws: points of a scrambled Sobol' sequence.
     pub seed: u64,
-    /// Probability of the band, between 0 and 1.
+    /// Coverage probability of the band, between 0 and 1.
     pub level: f64,
 }
 
-/// Fewest and most draws that make sense.
+/// Allowed numbers of draws.
 pub const SAMPLES: std::ops::RangeInclusive<u32> = 16..=100_000;
-/// Probability of the band unless told otherwise.
+/// Default coverage probability.
 pub const LEVEL: f64 = 0.95;
 
-/// A band around each column but time.
+/// A band for each column except time.
 pub struct Band {
     /// Ends of each column, row by row.
     ends: Vec<Vec<[f64; 2]>>,
     level: f64,
-    /// What the band holds, in a sentence.
+    /// What the band includes, as a sentence.
     pub note: String,
 }
 
@@ -65,10 +65,10 @@ pub fn name(column: &str, end: &str) -> String {
     }
 }
 
-/// The band of a model along a course.
+/// The band of a model along a motion.
 ///
 /// # Errors
-/// The model does not say how well it is known, or a draw cannot be followed along the motion.
+/// If the model does not state its uncertainty, or a draw cannot be integrated along the motion.
 pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Result<Band> {
     if !(SAMPLES.contains(&wanted.samples) && wanted.level > 0.0 && wanted.level < 1.0) {
         bail!(
@@ -107,7 +107,7 @@ pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Resul
     })
 }
 
-/// Models with drawn parameters, each with the error of its start in standard deviations.
+/// Models with drawn parameters, each with the error of its initial pressure in standard deviations.
 fn draws(model: &Model, known: &Uncertain, wanted: Wanted) -> anyhow::Result<Vec<(Model, f64)>> {
     let mut axes: Vec<Axis> = known.parameters.iter().map(|p| Axis::Drawn(p.distribution.clone())).collect();
     let copula =
@@ -126,7 +126,7 @@ fn draws(model: &Model, known: &Uncertain, wanted: Wanted) -> anyhow::Result<Vec
     Ok((0..wanted.samples as usize).map(draw).collect())
 }
 
-/// Ends of the band of values that scatter normally around the draws.
+/// Ends of the band of values scattered normally around the draws.
 fn ends(mut draws: Vec<f64>, scatter: f64, level: f64) -> [f64; 2] {
     draws.sort_by(f64::total_cmp);
     [0.5 * (1.0 - level), 0.5 * (1.0 + level)].map(|probability| {
@@ -134,7 +134,7 @@ fn ends(mut draws: Vec<f64>, scatter: f64, level: f64) -> [f64; 2] {
     })
 }
 
-/// Quantile of sorted values, with straight lines between neighbours.
+/// Quantile of sorted values, linearly interpolated.
 fn quantile(sorted: &[f64], probability: f64) -> f64 {
     let place = probability * (sorted.len() - 1) as f64;
     let before = (place as usize).min(sorted.len().saturating_sub(2));
@@ -142,15 +142,15 @@ fn quantile(sorted: &[f64], probability: f64) -> f64 {
     a + (place - before as f64) * (b - a)
 }
 
-/// Quantile of the mixture of normal distributions around sorted values, by bisection.
+/// Quantile, by bisection, of a mixture of normal distributions centred on sorted values.
 fn mixed_quantile(sorted: &[f64], scatter: f64, probability: f64) -> f64 {
-    /// Beyond it a normal distribution has nothing that doubles tell.
+    /// Beyond this a normal distribution is negligible in double precision.
     const FAR: f64 = 9.0;
     let below = |x: f64| sorted.iter().map(|value| normal((x - value) / scatter)).sum::<f64>() / sorted.len() as f64;
     let (mut low, mut high) = (sorted[0] - FAR * scatter, sorted[sorted.len() - 1] + FAR * scatter);
     while high - low > 1e-6 * scatter {
         let middle = 0.5 * (low + high);
-        // Where doubles end there is no middle.
+        // At the limit of double precision there is no midpoint.
         if middle <= low || middle >= high {
             break;
         }

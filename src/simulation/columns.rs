@@ -1,4 +1,4 @@
-//! The columns that a simulation results in.
+//! The columns of a simulation's result.
 
 use chamber::simulate::Sample;
 
@@ -8,9 +8,9 @@ pub struct Column {
     pub name: &'static str,
     /// Unit of its values.
     pub unit: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
-    /// Its value of a sample.
+    /// Its value for a sample.
     pub of: fn(&Sample) -> f64,
 }
 
@@ -36,8 +36,8 @@ pub struct Values {
     pub name: String,
     /// Unit of its values.
     pub unit: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: String,
-    /// One for each row.
+    /// One value per row.
     pub values: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! A model along a motion: what is imposed on the chamber, the state it begins from, one sample for each row.
+//! A model along a motion: the chamber's inputs, its initial state, and one sample per row.
 
 use super::stroke::Stroke;
 use anyhow::{Context, bail};
@@ -8,25 +8,26 @@ use identify::record::{far_off, outliers};
 use records::limits::PRESSURE_PA;
 use records::{Model, Trace};
 
-/// Steps of the search for the start; each leaves a small share of the error, a leak's share of the rest's pressure.
+/// Iterations for the initial pressure; each leaves a small fraction of the error, the fraction of the pressure lost to a leak
+/// during the rest.
 const MEAN_ITERATIONS: usize = 8;
 
-/// What is simulated along: a motion that was read, and the pressure to begin from.
+/// Inputs of a simulation: a motion from a file, and the initial pressure.
 pub struct Course<'a> {
-    /// The file's rows: times, ambient temperatures, flows, and the pressure that the start is taken from.
+    /// The file's rows: times, ambient temperatures, flows, and the pressure from which the initial one is taken.
     pub motion: &'a Trace,
-    /// What the piston does, which need not be what the rows' positions say.
+    /// Motion of the piston, which may differ from the recorded positions.
     pub stroke: Stroke,
-    /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
+    /// Initial gas pressure, Pa; if `None`, taken from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
-    /// Rows before the piston moves or gas flows.
+    /// Number of rows before the piston moves or gas flows.
     rest: usize,
-    /// Those among them whose pressure is far off.
+    /// Outliers of the pressure among those rows.
     far_off: Vec<usize>,
 }
 
 impl<'a> Course<'a> {
-    /// A motion with the stroke behind it, and the pressure at the start where that is asked for.
+    /// A motion with its stroke, and the initial pressure if given.
     pub fn new(motion: &'a Trace, stroke: Stroke, initial_pressure_pa: Option<f64>) -> Self {
         let rest = rows_at_rest(motion);
         let measured = motion.pressure_pa.as_deref().filter(|_| initial_pressure_pa.is_none());
@@ -34,33 +35,33 @@ impl<'a> Course<'a> {
         Self { motion, stroke, initial_pressure_pa, rest, far_off }
     }
 
-    /// Which readings before the first movement are far off and do not count, if any.
+    /// A note on the outliers left out before the first movement, if any.
     pub fn left_out_of_rest(&self) -> Option<String> {
         let Trace { path, lines, time_s, .. } = self.motion;
         far_off::sentence(path, &self.far_off, lines, time_s)
     }
 
-    /// Mean of what the rows at rest have, those left out that are far off.
+    /// Mean over the rows at rest, without outliers.
     fn mean_at_rest(&self, of: impl Fn(usize) -> f64) -> f64 {
         let rows = || (0..self.rest).filter(|row| self.far_off.binary_search(row).is_err());
         rows().map(of).sum::<f64>() / rows().count() as f64
     }
 
-    /// A model along the motion, its mean pressure at rest that of the motion plus `shift`, Pa.
+    /// A model along the motion, with its mean pressure at rest equal to that of the motion plus `shift`, Pa.
     ///
     /// # Errors
-    /// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+    /// For a motion that leaves no gas or cannot be integrated, or without an initial pressure.
     pub fn samples(&self, model: &Model, shift: f64) -> anyhow::Result<Vec<Sample>> {
         let (_, _, samples) = self.followed(model, shift)?;
         Ok(samples)
     }
 
-    /// How many rows the pressure at the start is the mean of; none where it was asked for.
+    /// Number of rows averaged for the initial pressure; `None` if it was given.
     pub fn rows_at_rest(&self) -> Option<usize> {
         self.initial_pressure_pa.is_none().then(|| self.rest - self.far_off.len())
     }
 
-    /// As [`Course::samples`], with what is imposed on the chamber and the state it begins from.
+    /// As [`Course::samples`], with the chamber's inputs and initial state.
     fn followed(&self, model: &Model, shift: f64) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
         let signals = self.signals(model);
         check_volume(model, self.motion, &signals)?;
@@ -84,8 +85,7 @@ impl<'a> Course<'a> {
         recorded.with_true_stroke(model.active(), &model.chamber.effects)
     }
 
-    /// The state that the simulation begins from: the wall's temperature at rest, and the pressure asked for, or the measured
-    /// one plus `shift`.
+    /// The initial state: the wall's temperature at rest, and the given pressure or the measured one plus `shift`.
     fn start(&self, model: &Model, signals: &Signals, shift: f64) -> anyhow::Result<Start> {
         let motion = self.motion;
         let ambient = motion.ambient_temperature_k.as_ref().map(|ambient| self.mean_at_rest(|row| ambient[row]));
@@ -107,8 +107,8 @@ impl<'a> Course<'a> {
         Ok(at(self.pressure_of_mean(model, signals, at, measured)?))
     }
 
-    /// The pressure to begin from so that the sensor shows `measured` over the rest in the mean: a leak or a drift moves it
-    /// meanwhile. `measured` itself for a model that empties or fills the chamber before the piston moves.
+    /// The initial pressure for which the sensor's mean reading over the rest is `measured`, despite a leak or drift; `measured`
+    /// itself for a model that empties or fills the chamber before the piston moves.
     fn pressure_of_mean(
         &self,
         model: &Model,
@@ -133,17 +133,16 @@ impl<'a> Course<'a> {
     }
 }
 
-/// A model along a record whose stroke is linear from row to row: what is imposed on the chamber, the state it begins from, one
-/// sample for each row.
+/// A model along a record with a stroke linear between rows: the chamber's inputs, its initial state, and one sample per row.
 ///
 /// # Errors
-/// A motion that leaves no gas or cannot be followed, no pressure to begin from.
+/// For a motion that leaves no gas or cannot be integrated, or without an initial pressure.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
     let stroke = Stroke::behind(&record.time_s, &record.position_m).at_rows(&record.time_s);
     Course::new(record, stroke, None).followed(model, 0.0)
 }
 
-/// The first rows of the motion, simulated.
+/// Simulates the first rows of the motion.
 fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: usize) -> anyhow::Result<Vec<Sample>> {
     simulate(&model.chamber, model.active(), start, signals, &motion.time_s[..rows], RELATIVE_TOLERANCE)
         .with_context(|| {
@@ -152,14 +151,14 @@ fn along(model: &Model, start: Start, signals: &Signals, motion: &Trace, rows: u
         })
 }
 
-/// Rows before the piston moves or gas flows.
+/// Number of rows before the piston moves or gas flows.
 fn rows_at_rest(motion: &Trace) -> usize {
     let flow = motion.mass_flow_kg_per_s.as_deref().unwrap_or_default();
     let closed = flow.iter().position(|flow| *flow != 0.0).unwrap_or(motion.len());
     motion.rows_at_rest().min(closed.max(1))
 }
 
-/// Refuses a motion that runs into the chamber's end.
+/// Refuses a motion beyond the chamber's end.
 fn check_volume(model: &Model, motion: &Trace, signals: &Signals) -> anyhow::Result<()> {
     let geometry = &model.chamber.geometry;
     for Knot { time, position, .. } in &signals.knots {

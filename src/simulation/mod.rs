@@ -1,4 +1,4 @@
-//! A model's chamber along a motion: what `pneutherm simulate` and its like in Python compute.
+//! A model's chamber along a motion: the computation of `pneutherm simulate` and its Python equivalent.
 
 pub mod band;
 pub mod columns;
@@ -18,35 +18,35 @@ use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
 use stroke::Stroke;
 
-/// What is simulated.
+/// Request for a simulation.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The model file's content.
     pub model: Document,
     /// The motion, a trace file with or without pressure.
     pub motion: PathBuf,
-    /// The content of a rig file whose columns and format are the motion's.
+    /// The content of a rig file with the motion's columns and format.
     pub rig: Option<Document>,
-    /// Gas pressure at the start, Pa; otherwise from the motion's pressure before the first movement.
+    /// Initial gas pressure, Pa; if `None`, taken from the motion's pressure before the first movement.
     pub initial_pressure_pa: Option<f64>,
-    /// Whether positions are taken as they are, linear between rows, also where they scatter at rest.
+    /// Whether positions are used as they are, linear between rows, even if they scatter at rest.
     pub raw_positions: bool,
-    /// A predictive band from the model's uncertainty, where one is wanted.
+    /// A prediction band from the model's uncertainty, if requested.
     pub band: Option<Wanted>,
 }
 
 /// A simulated motion.
 pub struct Simulated {
-    /// One for each row of the motion.
+    /// One sample per row of the motion.
     pub samples: Vec<Sample>,
-    /// The band around each column but time.
+    /// The band for each column except time.
     pub band: Option<Band>,
-    /// What was done to the motion's rows to read them, and what the band holds, in sentences.
+    /// Notes on the reading of the motion's rows and on the band, in sentences.
     pub notes: Vec<String>,
 }
 
 impl Simulated {
-    /// The whole result, column by column.
+    /// The complete result, column by column.
     pub fn columns(&self) -> Vec<Values> {
         let own = COLUMNS.iter().map(|column| Values {
             name: column.name.to_owned(),
@@ -58,10 +58,10 @@ impl Simulated {
     }
 }
 
-/// Simulates: one sample for each row of the motion.
+/// Simulates the motion, with one sample per row.
 ///
 /// # Errors
-/// A file that is refused, a motion that leaves no gas, no pressure to begin from; a band that the model cannot give.
+/// For a refused file, a motion that leaves no gas, a missing initial pressure, or a band that the model cannot give.
 pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     let model = Model::from_document(&request.model)?;
     let (motion, declared) = read_motion(&request.motion, request.rig.as_ref())?;
@@ -99,7 +99,7 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
     Ok(Simulated { samples, band, notes })
 }
 
-/// The column that may be meant to be that of the pressure, in words; nothing where none is like it.
+/// A suggestion for the pressure column, in words; empty if no name is similar.
 fn near_pressure_column(request: &Request) -> String {
     let near = || {
         let (layout, _) = request.rig.as_ref().map(RigFile::layout).transpose().ok()?.unwrap_or_default();
@@ -108,7 +108,7 @@ fn near_pressure_column(request: &Request) -> String {
     near().map_or(String::new(), |(near, wanted)| format!(" (it has `{near}`: did you mean `{wanted}`?)"))
 }
 
-/// The motion, and what is declared of its pressures.
+/// The motion, and the declaration of its pressures.
 fn read_motion(path: &Path, rig: Option<&Document>) -> anyhow::Result<(Trace, Declared)> {
     let (layout, stroke_m) = rig.map_or_else(|| Ok((Layout::default(), None)), RigFile::layout)?;
     let reading = Reading { layout: &layout, stroke_m, window: Window::ALL, need: Need::Motion };

@@ -1,8 +1,8 @@
-//! The stroke behind recorded positions that scatter where the piston rests: held there and smooth in its moves, as `identify`
-//! takes it. Positions that do not scatter, a plan's or a fine encoder's, are taken as they are, linear between rows.
+//! The stroke behind recorded positions that scatter while the piston rests: held there and smooth in its moves, as in
+//! `identify`. Positions without scatter, from a plan or a fine encoder, are used as they are, linear between rows.
 //!
-//! Noise of some µm from row to row is a speed of some mm/s, by which an effect of the piston's speed heats a gas at rest; and a
-//! chord between two rows of a fast move misses the stroke by up to x″h²/8.
+//! Noise of some µm between rows is a speed of some mm/s, with which an effect of the piston's speed would heat a gas at rest;
+//! and a chord between two rows of a fast move misses the stroke by up to x″h²/8.
 
 use identify::record::gaps;
 use identify::record::positions::Positions;
@@ -12,15 +12,15 @@ use records::extremes;
 use report::digits;
 use std::cell::Cell;
 
-/// A chord misses the curve by no more than this share of the positions' noise...
+/// A chord misses the curve by at most this fraction of the positions' noise...
 const CHORD_ERROR: f64 = 0.05;
-/// ...unless that takes more knots between two rows than this.
+/// ...unless that takes more knots than this between two rows.
 const MOST_BETWEEN_ROWS: f64 = 16.0;
-/// Rows at rest from which on their scatter is judged...
+/// Number of rows at rest from which on their scatter is assessed...
 const FEWEST_AT_REST: usize = 20;
-/// ...by so many changes that take back the one before, at the least...
+/// ...by at least this many changes that reverse the previous one...
 const FEWEST_REVERSALS: usize = 4;
-/// ...and what counts as a change, of the way that the piston goes: less is an integrator's.
+/// ...where a change is at least this fraction of the piston's range: smaller ones come from an integrator.
 const DIFFERENCE: f64 = 1e-7;
 
 /// A stroke that is linear between its knots.
@@ -28,18 +28,18 @@ const DIFFERENCE: f64 = 1e-7;
 pub struct Stroke {
     /// Time, s, and position, m, of each knot.
     pub knots: Vec<(f64, f64)>,
-    /// What the recorded positions do, where the stroke is another than the rows: clauses of a sentence on them.
+    /// Faults of the recorded positions, if the stroke differs from the rows: clauses of a sentence about them.
     pub faults: Vec<String>,
 }
 
 impl Stroke {
-    /// Through the rows as they are: positions, m, at times in s.
+    /// Through the rows as they are: positions, m, at times, s.
     pub fn through(time_s: &[f64], position_m: &[f64]) -> Self {
         Self { knots: time_s.iter().copied().zip(position_m.iter().copied()).collect(), faults: Vec::new() }
     }
 
-    /// The stroke behind the rows, where these scatter at rest, stand out of those around them or are not all read; otherwise
-    /// through them.
+    /// The stroke behind the rows, if these scatter at rest, contain outliers or are not all actually read; otherwise through the
+    /// rows.
     pub fn behind(time_s: &[f64], position_m: &[f64]) -> Self {
         let positions = Positions::of(position_m);
         let motion = gaps::motion(time_s, position_m, &positions);
@@ -51,14 +51,14 @@ impl Stroke {
         let mut knots = Vec::with_capacity(time_s.len());
         for segment in &motion.segments {
             let times = times(segment, time_s, CHORD_ERROR * motion.noise_m);
-            // A segment begins where the one before ends.
+            // A segment begins where the previous one ends.
             let of_segment = times.into_iter().skip(usize::from(!knots.is_empty()));
             knots.extend(of_segment.map(|time| (time, segment.stroke.at(time, &near).0)));
         }
         Self { knots, faults }
     }
 
-    /// The same with knots at the rows only, as a client of an FMU sets its inputs.
+    /// The same with knots only at the rows, as set by a client of an FMU.
     pub fn at_rows(mut self, time_s: &[f64]) -> Self {
         self.knots.retain(|(time, _)| time_s.binary_search_by(|row| row.total_cmp(time)).is_ok());
         self
@@ -85,8 +85,8 @@ fn faults(positions: &Positions, motion: &Motion, position_m: &[f64]) -> Vec<Str
     out
 }
 
-/// Whether the positions go to and fro at rest: most of their changes take back the one before, be they of every row or the few of
-/// an encoder that toggles between two steps. Neither a held plan does so, nor one that moves slowly in rounded steps.
+/// Whether the positions scatter at rest: most of their changes reverse the previous one, whether at every row or rarely, as for
+/// an encoder toggling between two steps. Neither a held plan nor one that moves slowly in rounded steps does so.
 fn scatters_at_rest(motion: &Motion, position_m: &[f64]) -> bool {
     let (low, high) = extremes(position_m);
     let (mut rows, mut changes, mut reversals) = (0, 0, 0);
@@ -101,7 +101,7 @@ fn scatters_at_rest(motion: &Motion, position_m: &[f64]) -> bool {
     rows >= FEWEST_AT_REST && reversals >= FEWEST_REVERSALS && 2 * reversals > changes
 }
 
-/// The rows of a segment and its ends, and in a move as many moments in between as its curvature asks for.
+/// The rows of a segment and its ends and, in a move, as many times in between as its curvature requires.
 fn times(segment: &Segment, time_s: &[f64], chord_error_m: f64) -> Vec<f64> {
     let (from, to) = (segment.from_s, segment.to_s);
     let within = time_s[segment.first..segment.end].iter().filter(|time| (from..to).contains(*time) && **time > from);
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use identify::synthetic::Random;
 
-    /// 0.1 m to 0.05 m in 0.2 s, from 0.3 s on.
+    /// From 0.1 m to 0.05 m in 0.2 s, starting at 0.3 s.
     fn push(time: f64) -> f64 {
         let u = ((time - 0.3) / 0.2).clamp(0.0, 1.0);
         0.1 - 0.05 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!((stroke.knots[0].0, stroke.knots[stroke.knots.len() - 1].0), (time_s[0], time_s[299]));
         let held: Vec<f64> = stroke.knots.iter().filter(|knot| knot.0 > 1.0).map(|knot| knot.1).collect();
         assert!(held.windows(2).all(|pair| pair[0] == pair[1]) && (held[0] - 0.05).abs() < 2e-6);
-        // Chords from row to row miss the stroke by 9 µm.
+        // Chords between rows miss the stroke by 9 µm.
         let off = |pair: &[(f64, f64)]| (0.5 * (pair[0].1 + pair[1].1) - push(0.5 * (pair[0].0 + pair[1].0))).abs();
         let moves = stroke.knots.windows(2).filter(|pair| pair[0].0 > 0.33 && pair[1].0 < 0.47);
         let rms = (moves.clone().map(|pair| off(pair).powi(2)).sum::<f64>() / moves.count() as f64).sqrt();

@@ -1,5 +1,5 @@
-//! What statistics cost: rows of a study on one thread, solved only, and with statistics of every column. The two take turns;
-//! the best of each counts, since the machine may have other work.
+//! Measures the cost of statistics: rows of a study on one thread, solved only, and with statistics of every column. The two
+//! alternate; the best time of each counts, since the machine may have other work.
 //!
 //! cargo run --release --example statistics_rate -- benches/sealed.toml
 
@@ -10,8 +10,8 @@ use sweep::row::solve::RowSolver;
 use sweep::run::work::{Work, Workers};
 use sweep::study::plan::Plan;
 
-/// Rows of a turn: some ten milliseconds, which other work may leave alone. The first ones of a part cost most: it is they that
-/// show how close together its numbers lie.
+/// Rows per turn: some ten milliseconds, which other work may leave undisturbed. The first rows of a part cost most: they
+/// determine the spacing of its numbers.
 const ROWS: u64 = 16 * CHUNK;
 const TURNS: usize = 100;
 

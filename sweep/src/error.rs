@@ -1,11 +1,11 @@
-//! What can be wrong with a study, its folder or its files, in sentences: where, what, what to do.
+//! Errors in a study, its folder or its files, as sentences: where, what, what to do.
 
 use arrow::error::ArrowError;
 use parquet::errors::ParquetError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a study was refused or could not be carried out. Paths are as they were given.
+/// Why a study was refused or could not be carried out. Paths are as given.
 #[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -19,27 +19,27 @@ pub enum Error {
     /// A file or folder cannot be written.
     #[error("{}: cannot be written: {source}{}", path.display(), advice(source))]
     Write { path: PathBuf, source: io::Error },
-    /// A table of points that cannot be used.
+    /// An unusable table of points.
     #[error("{}: {message}", path.display())]
     Table { path: PathBuf, message: String },
-    /// An option of the run that cannot be.
+    /// An invalid option of the run.
     #[error("{0}")]
     Option(String),
-    /// A file of the folder that says which study it is.
+    /// A damaged file of the folder that identifies its study.
     #[error("{}: the file is damaged; remove it and run the sweep again: parts that are whole are kept", file.display())]
     Damaged { file: PathBuf },
-    /// The folder is another study's.
+    /// The folder belongs to another study.
     #[error("{}: the folder holds another study: {difference}; choose another folder or empty this one", folder.display())]
     OtherStudy { folder: PathBuf, difference: String },
     /// A smaller study that this one does not continue.
     #[error("{}: cannot be continued: {why}", folder.display())]
     NotContinued { folder: PathBuf, why: String },
-    /// Parquet that cannot be written or read.
+    /// A Parquet file that cannot be written or read.
     #[error("{}: {source}", path.display())]
     Parquet { path: PathBuf, source: ParquetError },
 }
 
-/// What to do about the most usual reasons for a failed write.
+/// Advice on the most common causes of a failed write.
 fn advice(source: &io::Error) -> &'static str {
     match source.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -60,22 +60,22 @@ impl From<records::Error> for Error {
 }
 
 impl Error {
-    /// Why `path` cannot be read: the system's reason.
+    /// A read error of `path`, with the system's reason.
     pub(crate) fn reading(path: &Path) -> impl Fn(io::Error) -> Self {
         move |source| Error::Read { path: path.to_owned(), source }
     }
 
-    /// What the Parquet library says of the file at `path`.
+    /// The Parquet library's error on the file at `path`.
     pub(crate) fn parquet(path: &Path) -> impl Fn(ParquetError) -> Self {
         move |source| Error::Parquet { path: path.to_owned(), source }
     }
 
-    /// What is wrong with the table of points at `path`.
+    /// An error in the table of points at `path`.
     pub(crate) fn table(path: &Path, message: impl Into<String>) -> Self {
         Error::Table { path: path.to_owned(), message: message.into() }
     }
 
-    /// An error of the Parquet library while `path` was written: the system's reason where there is one.
+    /// The Parquet library's error while writing `path`: the system's reason if there is one.
     pub(crate) fn writing(path: &Path, error: ParquetError) -> Self {
         match error {
             ParquetError::External(inner) => match inner.downcast::<io::Error>() {
@@ -86,7 +86,7 @@ impl Error {
         }
     }
 
-    /// An error of the Arrow library on data from or for `path`.
+    /// The Arrow library's error on data from or for `path`.
     pub(crate) fn arrow(path: &Path, error: ArrowError) -> Self {
         match error {
             ArrowError::IoError(_, source) => Error::Read { path: path.to_owned(), source },

@@ -1,4 +1,4 @@
-//! What a study will take: its rows, its time from a short calibration and a probe of the disk, and its bytes.
+//! Cost of a study: its rows, its time from a short calibration and a disk test, and its bytes.
 
 use crate::error::Error;
 use crate::part;
@@ -13,49 +13,49 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How long a calibration goes on at least, if there are rows enough.
+/// Minimum duration of a calibration, if there are enough rows.
 const LONG_ENOUGH: Duration = Duration::from_millis(400);
-/// Rows of a piece at first; each further time they are twice as many.
+/// Initial number of rows per piece, doubled each round.
 const FIRST: u64 = 4;
-/// Rows of a piece at most.
+/// Maximum number of rows per piece.
 const LARGEST: u64 = 1 << 15;
-/// Pieces for each thread, from all over the design: an axis may be slow at one of its ends.
+/// Pieces per thread, spread over the design: an axis may be slow at one of its ends.
 const PIECES: u64 = 8;
 
-/// Bytes that so many rows of a study take at most, without looking at any: its numbers as they are, uncompressed.
+/// Upper bound on the bytes of this many rows of a study, without computing any: its numbers uncompressed.
 pub fn most_bytes(study: &Study, rows: u64) -> u64 {
     let columns = columns::schema(study).fields().len() as u64;
     rows.saturating_mul(columns * size_of::<f64>() as u64)
 }
 
-/// Time and disk space that a study will take, measured on a few of its rows.
+/// Time and disk space of a study, measured on a few of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Rows that were computed to find out.
+    /// Number of rows computed in the calibration.
     pub calibrated_rows: u64,
-    /// Rows per second with the threads of the current pool, as long as no disk is waited for.
+    /// Rows per second with the threads of the current pool, without waiting for a disk.
     pub rows_per_second: f64,
-    /// Time in which a part and its record reach the disk, s; zero where the disk could not be tried.
+    /// Time to write a part and its record to disk, s; zero where the disk could not be tested.
     pub seconds_per_part: f64,
     /// Bytes of Parquet for each row; zero where no rows are kept.
     pub bytes_per_row: f64,
 }
 
 impl Estimate {
-    /// Time for some rows in some parts, s: parts reach the disk one after the other, while the next ones are computed.
+    /// Time for some rows in some parts, s: parts are written one after the other, while the next ones are computed.
     pub fn seconds(&self, rows: u64, parts: u64) -> f64 {
         let (computing, writing) = (rows as f64 / self.rows_per_second, parts as f64 * self.seconds_per_part);
         computing.max(writing) + self.seconds_per_part
     }
 
-    /// Disk space of so many rows, bytes.
+    /// Disk space for this many rows, bytes.
     pub fn bytes(&self, rows: u64) -> f64 {
         rows as f64 * self.bytes_per_row
     }
 }
 
-/// Computes and encodes pieces of the study from all over its design, in memory, for about a second, and tries the disk that
-/// `folder` is on or will be on. Leaves nothing there. With `rows` they are kept, otherwise only their statistics.
+/// Computes and encodes pieces from all over the study's design, in memory, for about a second, and tests the disk of `folder`,
+/// which need not exist. Leaves nothing there. `rows` says whether rows are kept or only their statistics.
 ///
 /// # Errors
 /// A table of points cannot be read.
@@ -89,10 +89,10 @@ pub fn calibrate(study: &Study, folder: &Path, rows: bool) -> Result<Estimate, E
     }
 }
 
-/// Bytes that are written at most to try a disk.
+/// Maximum number of bytes written to test a disk.
 const PROBE: usize = 8 << 20;
 
-/// Time in which a part of that many bytes and its record reach the disk, s.
+/// Time to write a part of this many bytes and its record to disk, s.
 fn seconds_per_part(folder: &Path, bytes: f64) -> f64 {
     let Some(folder) = existing(folder) else { return 0.0 };
     let probe = (bytes as usize).min(PROBE);
@@ -104,7 +104,7 @@ fn seconds_per_part(folder: &Path, bytes: f64) -> f64 {
     record.and_then(|record| Ok(record + part?)).unwrap_or(0.0)
 }
 
-/// Time to write and sync a file without a name, s.
+/// Time to write and sync a nameless file, s.
 fn synced(folder: &Path, bytes: usize) -> io::Result<f64> {
     let mut file = tempfile::tempfile_in(folder)?;
     let begun = Instant::now();
@@ -113,7 +113,7 @@ fn synced(folder: &Path, bytes: usize) -> io::Result<f64> {
     Ok(begun.elapsed().as_secs_f64())
 }
 
-/// Size of some rows as Parquet.
+/// Size of some rows as Parquet, bytes.
 fn encode(study: &Study, start: u64, rows: u64) -> Result<usize, Error> {
     let parquet = Error::parquet(&study.path);
     let schema = columns::schema(study);

@@ -1,26 +1,27 @@
-//! Names of what a study's folder holds.
+//! File names in a study's folder.
 //!
-//! | place | holds |
+//! | location | contents |
 //! |---|---|
-//! | `rows/` | the parts, and nothing else at any time: readers of folders take it whole |
+//! | `rows/` | the parts, and nothing else at any time: readers load the folder as a whole |
 //! | `traces/` | the table of traces |
-//! | `parts/` | `study.json`, whose folder this is; for each part its hash, its statuses and its statistics; of each result its hash; what is being written |
-//! | `manifest.json` | the study, its columns, its parts and its results, once all parts are there |
-//! | `statistics.json`, `sensitivity.json` | what the rows come to, where the study asks for it |
+//! | `parts/` | `study.json`, which identifies the study; for each part its hash, statuses and statistics; the hash of each
+//! result; files being written |
+//! | `manifest.json` | the study, its columns, its parts and its results, once all parts exist |
+//! | `statistics.json`, `sensitivity.json` | summaries of the rows, if the study requests them |
 //! | `statistics.svg`, `sensitivity.svg` | pictures of these |
 
-/// Name of the file that says that all parts are there.
+/// Name of the file that marks all parts as complete.
 pub const MANIFEST: &str = "manifest.json";
 /// Folder of the parts.
 pub const ROWS: &str = "rows";
 /// Folder of the parts' records.
 pub const RECORDS: &str = "parts";
-/// File that says which study the folder belongs to.
+/// File that identifies the folder's study.
 pub const STUDY: &str = "study.json";
 
 /// The table of traces.
 pub const TRACES_FILE: &str = "traces.parquet";
-/// Its place, in a folder apart from that of the rows: readers take each of the two whole.
+/// Its path, in a folder separate from the rows': readers load each folder as a whole.
 pub const TRACES_PLACE: &str = "traces/traces.parquet";
 /// File with the statistics.
 pub const STATISTICS: &str = "statistics.json";
@@ -31,16 +32,16 @@ pub const STATISTICS_PICTURE: &str = "statistics.svg";
 /// Picture of the sensitivity indices.
 pub const SENSITIVITY_PICTURE: &str = "sensitivity.svg";
 
-/// Files of the whole study; others are those of a part.
+/// Files of the study as a whole; all others belong to a part.
 pub const OF_THE_STUDY: [&str; 8] =
     [TRACES_FILE, TRACES_RECORD, STUDY, MANIFEST, STATISTICS, SENSITIVITY, STATISTICS_PICTURE, SENSITIVITY_PICTURE];
-/// Name of the record of the table of traces; those of other results are named as these.
+/// Name of the record for the table of traces; records of other results have the results' own names.
 const TRACES_RECORD: &str = "traces.json";
 
-/// Places of the results beside the parts whose hashes the manifest has.
+/// Paths of the results alongside the parts whose hashes are in the manifest.
 pub const RESULTS: [&str; 3] = [STATISTICS, SENSITIVITY, TRACES_PLACE];
 
-/// Place of the record of a result.
+/// Path of the record of a result.
 pub fn record_of_result(place: &str) -> String {
     let name = place.rsplit('/').next().unwrap_or(place);
     format!("{RECORDS}/{}", if name == TRACES_FILE { TRACES_RECORD } else { name })

@@ -8,25 +8,25 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`error`], `hash`, [`progress`] | what can be wrong, in sentences; SHA-256; how far a run is |
-//! | [`file_names`], [`store`] | what stands where in a study's folder; the folder on a disk or elsewhere |
+//! | [`error`], `hash`, [`progress`] | errors, as sentences; SHA-256; progress of a run |
+//! | [`file_names`], [`store`] | file names in a study's folder; the folder on a disk or elsewhere |
 //! | [`quantity`] | every number that can be varied, and the values it takes |
-//! | [`result`] | what comes out of a row, and the columns that it becomes |
-//! | [`design`] | which points a study has |
+//! | [`result`] | results of a row, and the columns they become |
+//! | [`design`] | the points of a study |
 //! | [`study`] | [`Study`]: model, test, design, constraints |
 //! | [`row`] | from a point to a scenario, through the kernel of `ensemble`, to its results |
 //! | [`study_file`] | study files, read and checked |
 //! | [`part`] | rows as a Parquet file |
-//! | [`statistics`] | what the results come to, with the rows or without |
+//! | [`statistics`] | statistics of the results, with the rows or without |
 //! | `sensitivity` | first-, second- and total-order indices of a Saltelli study |
 //! | [`folder`] | a study's folder and its manifest; rows of an earlier study |
-//! | [`run`](mod@run) | a study carried out |
-//! | [`traces`] | the courses of some rows, as a second table |
+//! | [`run`](mod@run) | executing a study |
+//! | [`traces`] | time courses of some rows, as a second table |
 //! | [`estimate`] | time and bytes of a study, from a short calibration |
 //!
-//! Each uses only those above it.
+//! Each module uses only those above it.
 //!
-//! A row is a pure function of the study and its number. Shards, threads and interruptions make no difference to it.
+//! A row is a pure function of the study and its number, independent of shards, threads and interruptions.
 
 pub mod design;
 pub mod error;

@@ -1,11 +1,11 @@
-//! How far a run is, told while it goes on.
+//! Reports the progress of a run.
 
-/// Told how a run goes on, from any thread.
+/// Receives the progress of a run, from any thread.
 pub trait Progress: Sync {
     /// Called with the number of rows solved since the last call.
     fn solved(&self, rows: u64);
 
-    /// Called with the number of rows found in complete parts.
+    /// Called with the number of rows in complete parts found.
     fn found(&self, _rows: u64) {}
 }
 

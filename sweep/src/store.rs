@@ -1,5 +1,5 @@
-//! Where a study's folder is: on a disk or, behind the same few operations, in an object store. Files are named relative to
-//! the folder, with `/`.
+//! Storage of a study's folder: on a disk or, behind the same few operations, in an object store. File names are relative to the
+//! folder, with `/`.
 
 use crate::file_names::RECORDS;
 use crate::hash;
@@ -8,48 +8,48 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
-/// Ending of temporary files; they begin with a dot and the name they are meant to have.
+/// Suffix of temporary files; they begin with a dot and their final name.
 pub const TEMPORARY: &str = ".tmp";
 
-/// A folder of files that appear whole or not at all.
+/// A folder whose files appear whole or not at all.
 pub trait Store: Sync {
-    /// Where it is, as people write it.
+    /// Its location, for display.
     fn place(&self) -> &Path;
 
-    /// A file's contents, where there is one.
+    /// A file's contents, if it exists.
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>>;
 
-    /// A file's length, where there is one.
+    /// A file's length, if it exists.
     fn length(&self, name: &str) -> io::Result<Option<u64>>;
 
-    /// Names of the files in a folder of this one, in order; in this folder itself where that is empty.
+    /// Sorted names of the files in a subfolder, or in this folder itself if `folder` is empty.
     fn names(&self, folder: &str) -> io::Result<Vec<String>>;
 
-    /// A file on the disk: the one itself, or a copy that is removed when dropped.
+    /// A file on the local disk: the stored file itself, or a copy that is removed when dropped.
     fn local(&self, name: &str) -> io::Result<LocalFile>;
 
-    /// Writes a file, in place of an earlier one.
+    /// Writes a file, replacing an earlier one.
     ///
     /// # Errors
-    /// It cannot be written; the earlier one is still there.
+    /// It cannot be written; the earlier file is unchanged.
     fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
-    /// Makes a whole file of [`Store::staging`] last under its name; what stays in the staging folder may be removed.
+    /// Publishes a complete file from [`Store::staging`] durably under its name; the staging file may then be removed.
     fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()>;
 
-    /// Removes a file, if it is there.
+    /// Removes a file, if it exists.
     fn remove(&self, name: &str) -> io::Result<()>;
 
-    /// Bytes that can still be written there; none where that is not known or has no end, or nothing can be written.
+    /// Free space, bytes; `None` if unknown or unlimited, or if nothing can be written.
     fn free(&self) -> Option<u64> {
         None
     }
 
-    /// The folder on the disk in which files are made.
+    /// The folder on the local disk in which files are made.
     fn staging(&self) -> io::Result<PathBuf>;
 
-    /// Removes what killed runs left of files of those names: temporary files that nobody has locked. Nothing is left where
-    /// each run has a staging folder of its own.
+    /// Removes unlocked temporary files that killed runs left for these names. Does nothing if each run has its own staging
+    /// folder.
     fn clean(&self, _names: &[String]) -> io::Result<()> {
         Ok(())
     }
@@ -65,7 +65,7 @@ pub trait Store: Sync {
 pub enum LocalFile {
     /// The stored file itself.
     Itself(PathBuf),
-    /// A copy, which is removed when dropped.
+    /// A copy, removed when dropped.
     Copy(TempPath),
 }
 
@@ -91,7 +91,7 @@ impl Local {
         Self { path: path.to_owned() }
     }
 
-    /// Where a file will be, in a folder that exists.
+    /// Path of a file, after creating its folder.
     fn prepared(&self, name: &str) -> io::Result<PathBuf> {
         let path = self.path.join(name);
         if let Some(parent) = path.parent() {
@@ -109,7 +109,7 @@ fn some<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     }
 }
 
-/// The nearest folder that is there: the disk that `path` is on or will be on.
+/// The nearest existing folder, which shows the disk of `path`.
 pub fn existing(path: &Path) -> Option<&Path> {
     let mut folders = path.ancestors().map(|path| if path == Path::new("") { Path::new(".") } else { path });
     folders.find(|path| path.is_dir())
@@ -157,7 +157,7 @@ impl Store for Local {
         can_be_written.then(|| disk.f_bavail.saturating_mul(disk.f_frsize))
     }
 
-    /// A system whose folders cannot be synced needs no more than the file's own sync.
+    /// On a system that cannot sync folders, syncing the file suffices.
     fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()> {
         let place = self.prepared(name)?;
         file.sync_all()?;
@@ -178,7 +178,7 @@ impl Store for Local {
 
     fn clean(&self, names: &[String]) -> io::Result<()> {
         let prefixes: Vec<String> = names.iter().map(|name| format!(".{name}.")).collect();
-        // JSON files are made beside their places.
+        // JSON files are made in their final folders.
         for folder in ["", RECORDS] {
             for name in self.names(folder)? {
                 if name.ends_with(TEMPORARY) && prefixes.iter().any(|prefix| name.starts_with(prefix.as_str())) {

@@ -1,7 +1,7 @@
-//! The courses of some rows of a study, sampled at a fixed rate: a second table beside the parts.
+//! Time courses of some rows of a study, sampled at a fixed rate: a second table alongside the parts.
 //!
-//! The integration is that of `chamber::simulate`, apart from the batches'; what is sampled is the same: the gas, and
-//! what the sensor shows of it. As many samples are in memory as `TOGETHER` says, or one row's.
+//! Integrated by `chamber::simulate`, independently of the batches, with the same samples: the gas, and what the sensor shows. At
+//! most `TOGETHER` samples are in memory, or one row's.
 
 use crate::error::Error;
 use crate::file_names::TRACES_PLACE;
@@ -26,24 +26,24 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Samples per second unless told otherwise, Hz: the paper's record.
+/// Default sample rate, Hz: that of the paper's record.
 pub const RATE_HZ: f64 = 100.0;
-/// Most samples of one row.
+/// Maximum number of samples of one row.
 const MOST: f64 = 1e7;
-/// Samples that are computed together, over all threads.
+/// Samples computed together, over all threads.
 const TOGETHER: usize = 1 << 19;
 
-/// Rows whose traces are wanted, in order and each once.
+/// Rows with requested traces, sorted and without duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowNumbers(Vec<Range<u64>>);
 
 impl RowNumbers {
-    /// Numbers of the rows, ascending.
+    /// Indices of the rows, ascending.
     pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         self.0.iter().cloned().flatten()
     }
 
-    /// Number after the last row.
+    /// Index after the last row.
     fn end(&self) -> u64 {
         self.0.last().map_or(0, |range| range.end)
     }
@@ -76,14 +76,14 @@ impl std::str::FromStr for RowNumbers {
     }
 }
 
-/// What `traces/traces.parquet` contains.
+/// Summary of `traces/traces.parquet`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Rows with a trace.
+    /// Number of rows with a trace.
     pub rows: u64,
-    /// Number of samples of all rows together.
+    /// Total number of samples.
     pub samples: u64,
-    /// Rows without one, and why.
+    /// Rows without a trace, and why.
     pub without: Vec<(u64, String)>,
 }
 
@@ -91,14 +91,14 @@ pub struct Report {
 pub struct Column {
     /// Its name, with the unit's suffix.
     pub name: &'static str,
-    /// The unit as people write it.
+    /// The unit, for display.
     pub unit: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
     value: fn(&Sample, f64) -> f64,
 }
 
-/// Every column after the row's number, in order. Values of a sample and of the piston's position, m.
+/// All columns after the row's number, in order. Functions of a sample and the piston's position, m.
 #[rustfmt::skip]
 pub const COLUMNS: [Column; 8] = [
     Column { name: "time_s", unit: "s", doc: "Time from the start of the push", value: |s, _| s.time },
@@ -111,10 +111,10 @@ pub const COLUMNS: [Column; 8] = [
     Column { name: "heat_flow_w", unit: "W", doc: "Heat flow into the gas", value: |s, _| s.heat_flow },
 ];
 
-/// Whether the traces of some rows can be written at all, as far as that can be said before the study is carried out.
+/// Checks, as far as possible before the study is run, whether the traces of some rows can be written.
 ///
 /// # Errors
-/// A row that the study does not have, a rate that is none, a trace that would be too long.
+/// A row that the study does not have, an invalid rate, or a trace that would be too long.
 pub fn check(study: &Study, rows: &RowNumbers, rate_hz: f64) -> Result<(), Error> {
     if rows.end() > study.rows {
         let last = study.rows.saturating_sub(1);
@@ -134,11 +134,11 @@ pub fn check(study: &Study, rows: &RowNumbers, rate_hz: f64) -> Result<(), Error
     Ok(())
 }
 
-/// Writes the traces of some rows beside the study's parts. The file appears when it is whole, in place of an earlier one; the
-/// manifest of a finished study then names it.
+/// Writes the traces of some rows alongside the study's parts. The file appears when complete, replacing an earlier one; the
+/// manifest of a finished study then lists it.
 ///
 /// # Errors
-/// As [`check`], or a folder that is another study's or cannot be written.
+/// As [`check`], or if the folder belongs to another study or cannot be written.
 pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) -> Result<Report, Error> {
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
@@ -174,7 +174,7 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
     Ok(report)
 }
 
-/// The test of a row, or why there is none.
+/// The test of a row, or the reason why there is none.
 fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> {
     let mut values = vec![Vec::with_capacity(1); study.varied.len()];
     study.design.fill(row..row + 1, &mut values)?;
@@ -186,7 +186,7 @@ fn scenario(study: &Study, row: u64) -> Result<Result<Scenario, String>, Error> 
     }))
 }
 
-/// How many samples a row's trace has.
+/// Number of samples in a row's trace.
 fn samples_of(row: u64, scenario: &Scenario, rate_hz: f64) -> Result<usize, Error> {
     let samples = scenario.duration_s * rate_hz + 2.0;
     if samples > MOST {
@@ -197,7 +197,7 @@ fn samples_of(row: u64, scenario: &Scenario, rate_hz: f64) -> Result<usize, Erro
     Ok(samples as usize)
 }
 
-/// Computes the rows that wait and writes them in order.
+/// Computes the pending rows and writes them in order.
 fn flush(
     study: &Study,
     schema: &SchemaRef,
@@ -235,7 +235,7 @@ fn batch(
     scenario: &Scenario,
     samples: &[Sample],
 ) -> Result<RecordBatch, Error> {
-    // The end of the push belongs to the hold.
+    // The end of the push counts as part of the hold.
     let position = |time: f64| Motion(scenario).boundary(usize::from(time >= scenario.push_time_s), time).position;
     let positions: Vec<f64> = samples.iter().map(|s| position(s.time)).collect();
     let mut arrays: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_value(row as i64, samples.len()))];
@@ -246,7 +246,7 @@ fn batch(
     RecordBatch::try_new(schema.clone(), arrays).map_err(|error| Error::arrow(&study.path, error))
 }
 
-/// What the test imposes on the chamber: the push, then the hold.
+/// The chamber's inputs in a test: the push, then the hold.
 struct Motion<'a>(&'a Scenario);
 
 impl Inputs<f64> for Motion<'_> {
@@ -271,10 +271,10 @@ impl Inputs<f64> for Motion<'_> {
     }
 }
 
-/// The course of a test: samples at multiples of 1/rate from the start of the push, and one at the end.
+/// The time course of a test: samples at multiples of 1/rate from the start of the push, and one at the end.
 ///
 /// # Errors
-/// The equations cannot be followed to the end.
+/// The integration cannot reach the end.
 pub fn trace(scenario: &Scenario, rate_hz: f64, relative_tolerance: f64) -> Result<Vec<Sample>, IntegrationError> {
     let (chamber, end) = (&scenario.chamber, scenario.duration_s);
     let count = (end * rate_hz * (1.0 - 1e-12)) as usize;

@@ -1,11 +1,11 @@
-//! Memory of a run that keeps statistics only. The only test of its program, which reads its own peak.
+//! Memory of a run that keeps only statistics. The only test in its program, because it reads its own peak.
 
 mod common;
 
 use common::{at, study};
 use sweep::{Options, run};
 
-/// The most memory that this process has had, MiB; none where the system does not say.
+/// Peak memory of this process, MiB; `None` if the system does not report it.
 fn peak_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -59,7 +59,7 @@ fn in_a_rig() {
 fn a_file_of_another_kind_is_told_as_such() {
     let bench = Bench::new();
     bench.file("study.toml", "[study]\nname = \"a\"\n");
-    // As `identify` writes it.
+    // As written by `identify`.
     bench.file("whole_model.toml", "[gas]\nname = \"air\"\n[chamber]\nbore_m = 0.032\n");
     let of_rig = "motion.csv: this looks like a trace; a rig file (TOML) that names it is expected here";
     let of_model = "motion.csv: this looks like a trace; a model file (TOML)";

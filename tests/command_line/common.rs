@@ -1,4 +1,4 @@
-//! A bench for the program: a folder of its own with a good model, motion and rig, and a way to call it there.
+//! A test bench for the program: a folder with a good model, motion and rig, and functions to call it there.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ impl Bench {
         assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
     }
 
-    /// The program, about to be called in the folder.
+    /// The program, ready to be called in the folder.
     pub fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pneutherm"));
         command.current_dir(self.folder()).env_remove("RUST_BACKTRACE");
@@ -79,7 +79,7 @@ impl Bench {
         output
     }
 
-    /// Calls the program, which has to fail with one sentence and leave the folder as it is. Returns the sentence.
+    /// Calls the program, which must fail with one sentence and leave the folder unchanged. Returns the sentence.
     #[track_caller]
     pub fn refusal(&self, arguments: &[&str]) -> String {
         let before = self.names();
@@ -91,7 +91,7 @@ impl Bench {
         sentence
     }
 
-    /// What is in the folder.
+    /// Contents of the folder.
     pub fn names(&self) -> Vec<PathBuf> {
         let mut names: Vec<_> = std::fs::read_dir(self.folder()).unwrap().map(|entry| entry.unwrap().path()).collect();
         names.sort();
@@ -113,7 +113,7 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Names of the program's commands, as its help lists them.
+/// Names of the program's commands, from its help.
 pub fn commands() -> Vec<String> {
     let help = text(&Bench::new().call(0, &["--help"]).stdout);
     let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();

@@ -1,4 +1,4 @@
-//! `pneutherm fmu` and `pneutherm sweep`: what they write, and what they refuse.
+//! `pneutherm fmu` and `pneutherm sweep`: their output and refusals.
 
 use crate::common::{Bench, MODEL, RIG, motion, text};
 
@@ -37,7 +37,7 @@ fn an_fmu_is_a_zip_archive_the_same_each_time() {
     assert!(archive.starts_with(b"PK\x03\x04"));
     let names = ["modelDescription.xml", "binaries/", "resources/"];
     assert!(names.iter().all(|name| archive.windows(name.len()).any(|part| part == name.as_bytes())));
-    // Its name is the file's; standard output has none.
+    // It is named after the file; standard output has no name.
     assert!(bench.call(0, &["fmu", "model.toml", "-o", "-"]).stdout.starts_with(b"PK\x03\x04"));
     bench.call(0, &["fmu", "model.toml", "-o", "my chamber.fmu"]);
     assert!(std::fs::read(bench.path("my chamber.fmu")).unwrap() == archive, "two archives of one model differ");
@@ -71,7 +71,7 @@ fn readings_far_off_are_no_part_of_the_record_in_an_fmu_nor_of_the_error() {
     let columns: Vec<&str> = clean.lines().next().unwrap().split(',').collect();
     let place = |name: &str| columns.iter().position(|column| *column == name).unwrap();
     let (pressure, motion) = (place("pressure_pa"), motion());
-    // One marker in the rest, one spike in the hold.
+    // One marker during the rest, one spike during the hold.
     let record = |spoilt: &[(usize, &str)]| {
         let row = |(k, (line, clean)): (usize, (&str, &str))| {
             let (time, rest) = line.split_once(',').unwrap();
@@ -179,7 +179,7 @@ fn records_of_another_rig_in_an_fmu_are_noted_as_validate_notes_them() {
         bench.file("other.toml", rig);
         text(&bench.call(0, &["fmu", "model.toml", "--validation", "other.toml", "-o", "a.fmu"]).stderr)
     };
-    // The pressure of the bench's motion does not answer the stroke, which is noted too.
+    // The pressure of the bench's motion does not respond to the stroke, which is noted too.
     let not_looked_for = "note: readings far off are not looked for: motion.csv: the pressure stays within";
     assert!(notes(RIG).starts_with(not_looked_for) && notes(RIG).lines().count() == 1, "{}", notes(RIG));
     let found = notes(&RIG.replace("bore_m = 0.02", "bore_m = 0.032"));

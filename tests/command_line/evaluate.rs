@@ -123,7 +123,7 @@ fn bad_rigs_and_traces_are_refused_and_nothing_is_written() {
     }
 }
 
-/// Keys that the guide documents for a command's JSON.
+/// Keys documented in the guide for a command's JSON.
 fn documented(command: &str) -> BTreeSet<String> {
     let page = include_str!("../../book/src/reference/files.md");
     let section = page.split("## Results for programs").nth(1).unwrap();

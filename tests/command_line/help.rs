@@ -1,4 +1,4 @@
-//! Help, completions and manual pages, for every command there is.
+//! Help, completions and manual pages, for every command.
 
 use crate::common::{Bench, commands, text};
 

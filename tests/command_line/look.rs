@@ -1,8 +1,8 @@
-//! `pneutherm look`: what it prints of a record.
+//! `pneutherm look`: its output for a record.
 
 use crate::common::{Bench, motion, text};
 
-/// The record of a logger that counts seconds from `since`, with noise that keeps it from being a constant.
+/// The record of a logger that counts seconds from `since`, with noise so that it is not constant.
 fn logged(since: f64) -> String {
     let mut out = "unix_time,p_bar,x_mm\n".to_owned();
     for (k, line) in motion().lines().skip(1).enumerate() {
@@ -64,7 +64,7 @@ fn columns_without_names_are_asked_for_by_number() {
 #[test]
 fn windows_of_single_tests_are_written_without_what_rounding_adds() {
     let bench = Bench::new();
-    // Three pushes of one record, whose times are not those of a clock.
+    // Three pushes in one record, with times unlike those of a clock.
     let rows: Vec<Vec<f64>> =
         logged(0.0).lines().skip(1).map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect();
     let mut out = "time_s,p_bar,x_mm\n".to_owned();
@@ -93,7 +93,7 @@ fn a_rig_file_that_was_filled_in_is_replaced_only_by_force() {
     let look = ["look", "motion.csv", "-o", "looked.toml"];
     bench.call(0, &look);
     let proposed = std::fs::read(bench.path("looked.toml")).unwrap();
-    // The same again is no loss.
+    // Writing the same again loses nothing.
     bench.call(0, &look);
     let filled_in = [&proposed[..], b"# filled in\n"].concat();
     bench.file("looked.toml", &filled_in);

@@ -1,4 +1,4 @@
-//! The program as a user meets it: help, exit codes, sentences on bad input, nothing left behind.
+//! The program as seen by a user: help, exit codes, error messages for bad input, nothing left behind.
 
 mod bad_input;
 mod common;

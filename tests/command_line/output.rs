@@ -1,4 +1,4 @@
-//! Where results go: odd paths, protected folders, full devices, readers that leave.
+//! Destinations of results: odd paths, protected folders, full devices, closed pipes.
 
 use crate::common::{Bench, text};
 use std::io::Read;
@@ -24,7 +24,7 @@ fn an_output_that_cannot_be_written_is_named() {
     assert!(sentence.contains("cannot be written"), "{sentence}");
 }
 
-/// An hour's record is not replaced by a slip of the hand.
+/// A typing error does not replace an hour's record.
 #[test]
 fn no_result_replaces_a_file_that_the_command_reads() {
     let bench = Bench::new();
@@ -101,7 +101,7 @@ fn a_full_standard_output_is_an_error() {
 #[test]
 fn a_reader_that_leaves_early_is_no_error() {
     let bench = Bench::new();
-    // More than a pipe holds, so that the program is still writing when the reader leaves.
+    // More than a pipe's capacity, so that the program is still writing when the reader closes it.
     let rows: String = (0..20_000).map(|k| format!("{},0.1\n", f64::from(k) / 100.0)).collect();
     bench.file("motion.csv", format!("time_s,position_m\n{rows}"));
     let mut command = bench.command();

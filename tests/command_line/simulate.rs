@@ -1,4 +1,4 @@
-//! `pneutherm simulate`: its table, its start, the mapping of columns.
+//! `pneutherm simulate`: its table, initial state, and mapping of columns.
 
 use crate::common::{Bench, MODEL, motion, text};
 
@@ -55,7 +55,7 @@ fn bar_in_place_of_pascal_is_noticed() {
     assert!(text(&output.stderr).contains("in Pa, absolute (1 bar is 1e5)"), "{}", text(&output.stderr));
 }
 
-/// The motion with 1 kPa above and below 201.3 kPa by turns while at rest, and nonsense once the piston has moved.
+/// The motion with alternately 1 kPa above and below 201.3 kPa while at rest, and nonsense once the piston has moved.
 fn shaky_motion() -> String {
     let mut lines: Vec<String> = motion().lines().map(str::to_owned).collect();
     for (k, line) in lines.iter_mut().enumerate().skip(1) {

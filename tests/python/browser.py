@@ -1,6 +1,6 @@
-"""A real browser for tests: headless Chromium, spoken to in its DevTools protocol over a pipe.
+"""A real browser for tests: headless Chromium, controlled by its DevTools protocol over a pipe.
 
-Protocol: https://chromedevtools.github.io/devtools-protocol/. Messages are JSON, each ended by a zero byte; the browser
+Protocol: https://chromedevtools.github.io/devtools-protocol/. Messages are JSON, each terminated by a zero byte; the browser
 reads them from file descriptor 3 and writes them to 4.
 """
 
@@ -29,18 +29,18 @@ FLAGS = [
     "--hide-scrollbars",
     "--remote-debugging-pipe",
 ]
-# The pipe's ends are put where the browser expects them, in a process of their own between us and it.
+# Moves the pipe's ends to the descriptors expected by the browser, in a process between us and it.
 LAUNCH = "import os, sys; r, w = map(int, sys.argv[1:3]); os.dup2(r, 3); os.dup2(w, 4); os.execv(sys.argv[3], sys.argv[3:])"
 TIMEOUT = 60.0
 
 
 def program():
-    """The browser's path, or None."""
+    """Path of the browser, or None."""
     return next((found for found in map(shutil.which, NAMES) if found), None)
 
 
 class Page:
-    """One tab. `complaints` holds what the console, the page's errors and failed requests said; `requests` every address."""
+    """One tab. `complaints` collects console messages, page errors and failed requests; `requests` all addresses requested."""
 
     def __init__(self, to_browser, from_browser):
         self._to, self._from = to_browser, from_browser
@@ -53,7 +53,7 @@ class Page:
             self.call(f"{domain}.enable")
 
     def call(self, method, **parameters):
-        """Sends a command and returns its result; events that arrive meanwhile are noted."""
+        """Sends a command and returns its result; events received meanwhile are recorded."""
         self._number += 1
         number = self._number
         message = {"id": number, "method": method, "params": parameters}
@@ -70,7 +70,7 @@ class Page:
             self._note(answer)
 
     def open(self, path):
-        """Loads a file and waits until it is loaded."""
+        """Loads a file and waits until it is complete."""
         self._loaded = False
         self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())
         end = time.monotonic() + TIMEOUT
@@ -78,7 +78,7 @@ class Page:
             self._note(self._receive(end))
 
     def size(self, width, height, media="screen"):
-        """Size of the view in CSS pixels, and whether it is a screen or paper (`print`)."""
+        """Sets the size of the view in CSS pixels, and whether it is a screen or paper (`print`)."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.call("Emulation.setEmulatedMedia", media=media)
 
@@ -94,7 +94,7 @@ class Page:
         return base64.b64decode(answer["data"])
 
     def pdf(self):
-        """The page as it is printed on A4."""
+        """PDF of the page, printed on A4."""
         return base64.b64decode(self.call("Page.printToPDF", preferCSSPageSize=True, paperWidth=8.27, paperHeight=11.69)["data"])
 
     def _receive(self, end):
@@ -126,7 +126,7 @@ class Page:
 
 
 def high_pipe():
-    """A pipe (reading end, writing end) clear of the descriptors 3 and 4."""
+    """A pipe (reading end, writing end) that avoids descriptors 3 and 4."""
     low = os.pipe()
     high = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 20) for end in low]
     for end in low:
@@ -136,7 +136,7 @@ def high_pipe():
 
 @contextlib.contextmanager
 def page(profile):
-    """A tab of a browser of its own, with an empty profile in that folder."""
+    """A tab in a separate browser, with an empty profile in that folder."""
     (browser_in, to_browser), (from_browser, browser_out) = high_pipe(), high_pipe()
     command = [program(), *FLAGS, f"--user-data-dir={profile}", "about:blank"]
     process = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""What all Python tests share: the program under test and a way to call it."""
+"""Shared by all Python tests: the program under test and a way to call it."""
 
 import json
 import os
@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def target() -> pathlib.Path:
-    """Cargo's target folder, wherever CARGO_TARGET_DIR or a configuration file has put it."""
+    """Cargo's target folder, as set by CARGO_TARGET_DIR or a configuration file."""
     command = ["cargo", "metadata", "--no-deps", "--format-version", "1", "--offline"]
     try:
         found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
@@ -32,7 +32,7 @@ def pytest_configure(config):
 
 
 def library() -> pathlib.Path:
-    """The extension module of the Python package, as the tests' build of the workspace left it."""
+    """The extension module of the Python package, from the tests' build of the workspace."""
     name = {"win32": "pneutherm_native.dll", "darwin": "libpneutherm_native.dylib"}.get(sys.platform, "libpneutherm_native.so")
     built = [path for path in (PROGRAM.parent / name, PROGRAM.parent / "deps" / name) if path.exists()]
     assert built, f"{name} is not in {PROGRAM.parent}: cargo build --workspace --release"
@@ -41,7 +41,7 @@ def library() -> pathlib.Path:
 
 @pytest.fixture(scope="session")
 def package(tmp_path_factory) -> pathlib.Path:
-    """A folder for PYTHONPATH with the package `pneutherm`, as `pip install .` would lay it out."""
+    """A folder for PYTHONPATH that contains the package `pneutherm` as installed by `pip install .`."""
     folder = tmp_path_factory.mktemp("packages")
     (folder / "pneutherm").mkdir()
     for source in (ROOT / "python/pneutherm").glob("*.py*"):
@@ -58,7 +58,7 @@ def root() -> pathlib.Path:
 
 @pytest.fixture(scope="session")
 def pneutherm():
-    """Calls the program and returns the completed process; fails the test when it exits other than with `code`."""
+    """Calls the program and returns the completed process; fails the test if its exit code is not `code`."""
 
     def call(*arguments, cwd=None, code=0):
         process = subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=600)

@@ -20,7 +20,7 @@ PSI = 6894.757293168
 
 
 def is_there():
-    """Whether the records are where the rig files look for them."""
+    """Whether the records exist where the rig files expect them."""
     return (RECORDS / "2021.07.26T10.51.44.exp").exists() and (RECORDS / "FrictionIDMovesWithBiasCurr.exp").exists()
 
 
@@ -33,14 +33,14 @@ def run(program, *arguments):
 
 
 def diagnose(program, rig, model):
-    """What `diagnose` finds in a rig, the seconds it takes, and its error on its own records; it writes the model."""
+    """Diagnoses a rig and writes the model: returns the findings, the time in seconds, and the error on its own records."""
     begun = time.perf_counter()
     found = run(program, "diagnose", f"rigs/mbari-{rig}.toml", "-o", model)
     return {"found": found, "seconds": time.perf_counter() - begun, "own": found["after"]["rmse_pa"]["fit"] / PSI}
 
 
 def loop(program, chamber, name, folder):
-    """A model from one record, and what it says of the other."""
+    """A model from one record, and its error on the other."""
     model = Path(folder) / f"{chamber}-{name}.toml"
     other = f"rigs/mbari-{chamber}-{NAMES[1 - NAMES.index(name)]}.toml"
     return diagnose(program, f"{chamber}-{name}", model) | {
@@ -50,7 +50,7 @@ def loop(program, chamber, name, folder):
 
 
 def section(title, one, left_out, beyond=""):
-    """What one diagnosis found, step by step."""
+    """The findings of one diagnosis, step by step."""
     found = one["found"]
     lines = [f"## {title}", "", f"| model | own | {left_out} |", "|---|---|---|"]
     for step in found["steps"]:
@@ -64,7 +64,7 @@ def section(title, one, left_out, beyond=""):
 
 
 def page(program):
-    """The page: each step's error, the other record's, what remains open."""
+    """The page: each step's error, the error on the other record, and what remains unexplained."""
     lines = [
         "# A measured gas spring", "",
         "Written by `python tests/python/gas_spring.py PROGRAM --page results/gas_spring.md`: `pneutherm diagnose` on each record of each",

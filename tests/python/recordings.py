@@ -26,7 +26,7 @@ STEP_16_BIT = 1e6 / 65536
 
 
 class Bench(reference.Chamber):
-    """A chamber with what the paper's model does not have and that is no effect of the list, or only lately is."""
+    """A chamber with features that the paper's model lacks and that are no effects of the list, or only became so recently."""
 
     ambient_rate = 0.0  # K/s
     warm_wall = 0.0  # K
@@ -41,13 +41,13 @@ class Bench(reference.Chamber):
         volume = self.volume(x)
         temperature = p * volume / (m * self.gas_constant)
         if self.real_air:
-            # cp/R of air: Moran and Shapiro, table A-21. A closed gas's pressure follows gamma at its temperature.
+            # cp/R of air: Moran and Shapiro, table A-21. The pressure of a closed gas follows gamma at its temperature.
             cp = np.polyval([0.2763e-12, -1.913e-9, 3.294e-6, -1.337e-3, 3.653], temperature)
             self.gamma = cp / (cp - 1)
         try:
             rates, _ = self.rates(y, x, v, 0.0)
             power = self.warm_wall * self.coefficient(p, temperature, ambient, x, v) * self.heat_area(x)
-            # Between the supply and the gas, whichever has the higher pressure.
+            # Flow between the supply and the gas, from the higher pressure to the lower one.
             up, down, warm = (7e5, p, ambient) if p < 7e5 else (p, 7e5, temperature)
             over = max((down / up - 0.3) / 0.7, 0.0)
             flow = self.supply * up * 1.185 * math.sqrt(293.15 / warm) * math.sqrt(1 - over**2) * (1 if p < 7e5 else -1)
@@ -60,7 +60,7 @@ class Bench(reference.Chamber):
 
 @dataclasses.dataclass
 class Logger:
-    """From the gas to the rows of a file, and what the rig file says. SI units."""
+    """From the gas to the rows of a file, and the statements of the rig file. SI units."""
 
     noise: float = 100.0
     step: float = STEP_16_BIT
@@ -74,9 +74,9 @@ class Logger:
     position_delay: float = 0.0
     position_low_pass: float = 0.0
     position_readout: tuple | None = None  # Hz, "held" or "interpolated"
-    position_lost: float = 0.0  # share of the readings
-    position_wave: tuple | None = None  # off a straight line: amplitude over the travel, angle at its start and along it
-    travel: tuple = (0.0, 1.0)  # from where to where the tests go
+    position_lost: float = 0.0  # fraction of the readings
+    position_wave: tuple | None = None  # nonlinearity: amplitude over the travel, angle at its start and along it
+    travel: tuple = (0.0, 1.0)  # range of positions in the tests, m
     creep: float = 0.0
     ambient_rise: float = 0.0
     pressure_unit: float = 1.0
@@ -87,7 +87,7 @@ class Logger:
     ambient_stated: float = 0.0
     ambient_column: bool = True
     repeated_stamps: int = 0
-    jitter: float = 0.0  # of the times at which rows are read, standard deviation, rows
+    jitter: float = 0.0  # of the reading times, standard deviation, rows
 
 
 @dataclasses.dataclass
@@ -95,7 +95,7 @@ class Recording:
     name: str
     change: object  # chamber, logger, generator ->
     expected: str = "adequate"  # or "not explained", "refused", "named"
-    names: tuple = ()  # right besides the rig's own effect
+    names: tuple = ()  # also right, besides the rig's own effect
     judges_lambda0: bool = True
 
 
@@ -105,7 +105,7 @@ def autoregressive(sd, correlation):
 
 def one_over_f(sd):
     def rows(n, rate, g):
-        # Shaped in the frequency domain: amplitude ~ f^-1/2 from 1/40 s up to the rows' own limit.
+        # Shaped in the frequency domain: amplitude ~ f^-1/2 from 1/40 s to half the row rate.
         count = max(1 << (n - 1).bit_length(), int(40 * rate))
         spectrum = np.fft.rfft(g.normal(size=count))
         spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))
@@ -139,7 +139,7 @@ def sized(low, high):
 
 
 def coloured(kind):
-    """A slow disturbance of 60 to 300 Pa instead of the white noise, or beside a little of it."""
+    """A slow disturbance of 60 to 300 Pa in place of the white noise, or with a little of it."""
 
     def change(chamber, logger, g):
         sd = sized(60, 300)(g)
@@ -221,7 +221,7 @@ RECORDINGS = [
 
 
 def filtered(signal, step, tau):
-    """First-order low-pass of a signal that is linear between its samples and begins at rest."""
+    """First-order low-pass of a signal that is linear between its samples and starts from rest."""
     if tau == 0.0:
         return signal
     kept = math.exp(-step / tau)
@@ -233,7 +233,7 @@ def filtered(signal, step, tau):
 
 
 def read_out(rows, signal, readout, rate):
-    """A signal whose sensor is read less often than the rows come."""
+    """A signal whose sensor is read out less often than the row rate."""
     if not readout:
         return signal
     every = round(rate / readout[0])
@@ -260,7 +260,7 @@ def trace(chamber, logger, moves, pressure, end, rate, position_noise, g):
         finish = min(finish, grid[-1] + 1e-6)
         if finish <= begin:
             continue
-        # Not across the corner where the creep begins: pieces end there.
+        # Not across the corner where the creep begins: integration intervals end there.
         run = solve_ivp(
             lambda t, y, at=at: chamber.rates_at(t, y, *position_at(at, t)), (begin, finish), y, "LSODA", rtol=1e-9, atol=1e-11 * scale,
             dense_output=True, max_step=(finish - begin) / 4,
@@ -306,7 +306,7 @@ def save(path, rows, logger):
 
 
 def write(folder, recording, number, truth="none"):
-    """Writes a rig recorded in this way and says what is in it."""
+    """Writes a rig recorded in this way and returns the truth."""
     r = rigs.rig(number, truth)
     g = r["generator"]
     fields = {f.name: getattr(r["chamber"], f.name) for f in dataclasses.fields(reference.Chamber)}
@@ -340,7 +340,7 @@ def write(folder, recording, number, truth="none"):
 
 
 def judge(recording, effect, found):
-    """Whether an answer (None: refused) is what the recording deserves: right, wrong name, missed or refused."""
+    """Rates an answer (None: refused) for the recording: right, wrong name, missed or refused."""
     if found is None:
         return "right" if recording.expected == "refused" else "refused"
     verdict, named = found["verdict"], set(found["effects"])
@@ -359,7 +359,7 @@ def judge(recording, effect, found):
 
 
 def diagnosed(program, folder, recording, answer):
-    """What the program says of it: a row of the table."""
+    """Diagnoses a recording: returns a row of the table."""
     begun = time.perf_counter()
     command = [program, "diagnose", folder / "rig.toml", "--json", folder / "diagnosis.json"]
     run = subprocess.run(command, capture_output=True, text=True)

@@ -1,7 +1,8 @@
-"""The chamber once more, written from the documentation alone and integrated by scipy (DOP853, rtol 1e-11).
+"""An independent implementation of the chamber, written from the documentation alone and integrated by scipy (DOP853, rtol
+1e-11).
 
-States are pressure, mass and what an effect adds; the program's are mass and internal energy. Effects are given as a
-dictionary of dictionaries, {"leakage": {"conductance_m3_per_s_pa": 1e-12}}, as in a model file. SI units.
+States are pressure, mass and those of effects; the program's are mass and internal energy. Effects are given as a dictionary of
+dictionaries, {"leakage": {"conductance_m3_per_s_pa": 1e-12}}, as in a model file. SI units.
 """
 
 import dataclasses
@@ -16,9 +17,9 @@ RTOL = 1e-11
 
 
 def wall_modes():
-    """Rates (1/s) and weights (s^-1/2) of the modes of 1/sqrt(pi t): the trapezoidal rule in log(rate) with the ratio
-    5, of whose terms those below 5^-5 and above 5 become one each: with the same sums of weight and weight times rate,
-    and of weight over rate and weight over rate squared."""
+    """Rates (1/s) and weights (s^-1/2) of the modes of 1/sqrt(pi t): the trapezoidal rule in log(rate) with ratio 5. The terms
+    below 5^-5 and those above 5 are each merged into one: with equal sums of weight and of weight times rate, and of weight
+    over rate and of weight over rate squared, respectively."""
     exponents = np.arange(-80, 81)
     rates = 5.0**exponents
     weights = math.log(5) / math.pi * np.sqrt(rates)
@@ -65,7 +66,7 @@ class Chamber:
         return self.curve("volume_share", pressure=p, position=x)
 
     def curve(self, balance, **at):
-        """The empirical term of that balance: linear between its knots, constant beyond."""
+        """The empirical term for this balance: linear between its knots, constant beyond."""
         table = self.effects.get("empirical")
         if not table or table["balance"] != balance:
             return 0.0
@@ -87,12 +88,12 @@ class Chamber:
         return self.gas_constant / (self.gamma - 1) * (1 + slope * (t - 293) + curvature * (t - 293) ** 2)
 
     def enthalpy_above_energy(self, t_flow, t):
-        """h of gas at t_flow less u of gas at t, J/kg: cv is a parabola, whose mean is by Simpson's rule."""
+        """h of gas at t_flow minus u of gas at t, J/kg: cv is a parabola, averaged exactly by Simpson's rule."""
         mean = (self.cv(t) + 4 * self.cv((t_flow + t) / 2) + self.cv(t_flow)) / 6
         return self.gas_constant * t_flow + mean * (t_flow - t)
 
     def coefficient(self, p, t, tw, x, v):
-        """Heat transfer coefficient: the contract's product of factors."""
+        """Heat transfer coefficient: the documented product of factors."""
         n_p = self.value("pressure_exponent", "pressure_exponent", 0.5)
         n_t = self.value("pressure_exponent", "temperature_exponent", 0.5)
         n = self.value("natural_convection", "exponent")
@@ -116,7 +117,7 @@ class Chamber:
         return sum(way[0] for way in ways), sum(way[1] for way in ways)
 
     def orifice(self, effect, outside, p, t):
-        """(inflow, outflow) after ISO 6358 between the gas and a pressure outside."""
+        """(inflow, outflow) by ISO 6358 between the gas and an outside pressure."""
         c = self.value(effect, "conductance_m3_per_s_pa")
         b = self.value(effect, "critical_pressure_ratio", 0.3)
         rho0 = 1.185 * 287 / self.gas_constant
@@ -136,7 +137,7 @@ class Chamber:
         return flow(outside, self.ambient_temperature, p), 0.0
 
     def at_rest(self, pressure, mass, temperature):
-        """States of `rates` when all is in equilibrium, and their sizes."""
+        """States of `rates` in equilibrium, and their scales."""
         memory = np.zeros(len(MODE_RATES) if "wall_conduction" in self.effects else 0)
         turbulence = np.zeros(int("decaying_turbulence" in self.effects))
         y = np.concatenate([[pressure, mass, temperature, self.ambient_temperature, pressure], memory, turbulence])
@@ -150,7 +151,7 @@ class Chamber:
         volume, dv = self.volume(x, p), self.piston_area * v
         give = 0.0
         if self.effects.get("empirical", {}).get("balance") == "volume_share":
-            # Curves have straight pieces: differences are exact within one.
+            # Curves are piecewise linear: differences are exact within a piece.
             dx, dp = 1e-7, 1e-2
             geometric = self.dead_volume + self.piston_area * x
             dv *= 1 + self.volume_share(x, p)
@@ -178,19 +179,19 @@ class Chamber:
         t_in = self.ambient_temperature
 
         def pressure_rate(into, out):
-            # Enthalpy less the internal energy of the gas that takes it up: what is left warms it.
+            # Enthalpy minus the internal energy of the gas that absorbs it: the difference warms it.
             net = into * self.enthalpy_above_energy(t_in, t) - out * self.enthalpy_above_energy(t, t)
 
             def rate(dv):
                 warming = (q - p * dv + net) / (m * self.cv(t))
                 return p * ((into - out) / m + warming / t - dv / volume)
 
-            # A volume that gives way to the pressure: dV/dt = dv + give dP/dt.
+            # A pressure-dependent volume: dV/dt = dv + give dP/dt.
             return rate(dv) / (1 + give * (rate(0.0) - rate(1.0)))
 
         tube = self.value("tube_volume", "volume_m3")
         if tube:
-            # The flow into the tube is what its pressure's own rate asks for: one equation in that rate.
+            # The flow into the tube depends on the pressure's rate, and vice versa: one equation for that rate.
             per_rate = tube / (r * self.ambient_temperature)
 
             def excess(rate):
@@ -214,21 +215,21 @@ class Chamber:
 
 
 def bends(times, positions, window, apart):
-    """Where a stroke of straight pieces, at rest before and after, bends, from one time to another; bends nearer than `apart` are
-    one."""
+    """Intervals, from one time to another, of bends in a piecewise linear stroke at rest before and after; bends closer than
+    `apart` are merged."""
     slopes = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
     bent = times[np.abs(np.diff(slopes)) * window > 1e-6 * np.ptp(positions)]
     return [[part[0], part[-1]] for part in np.split(bent, np.flatnonzero(np.diff(bent) >= apart) + 1) if len(part)]
 
 
 def behind_average(recorded, ends, motion, window):
-    """The cubic spline, with knots at multiples of a power of two that is w/8 to w/4, whose moving average is nearest to the
-    record with a small third derivative: its knots and coefficients, and from where to where it stands for the stroke. By
+    """The cubic spline, with knots at multiples of a power of two between w/8 and w/4, whose moving average is nearest to the
+    record with a small third derivative: returns its knots, coefficients, and the range where it replaces the record. Uses
     orthogonal least squares."""
     step, (begin, end), (first, last) = 2.0 ** math.floor(math.log2(window / 4)), ends, motion
     rests, steps = (first > begin, last < end), window / step
-    # At a rest the knots a quarter of a window beyond the motion are free, those beyond are the record's; at an end of the record
-    # all that have a part in its averages are, up to five steps away.
+    # At a rest the knots within a quarter of a window beyond the motion are free, further ones follow the record; at an end of
+    # the record all knots that affect its averages are free, up to five steps away.
     low = math.floor((first - window / 4) / step) if rests[0] else math.ceil(first / step) - 5
     high = math.ceil((last + window / 4) / step) if rests[1] else math.floor(last / step) + 5
     at = np.arange(low - 10 * rests[0], high + 10 * rests[1] + 1)
@@ -244,7 +245,7 @@ def behind_average(recorded, ends, motion, window):
     thirds = np.diff(np.eye(len(at)), 3, axis=0)
     equations = np.vstack([averages, math.sqrt(7e-7 * steps**6) * thirds])
     right = np.concatenate([recorded(step * samples), np.zeros(len(thirds))])
-    # The average of a spline with a constant second difference d is (1/6 + steps^2/24) d beside its coefficient.
+    # The average of a spline with a constant second difference d differs from its coefficient by (1/6 + steps^2/24) d.
     beside = recorded(knots - step) - 2 * recorded(knots) + recorded(knots + step)
     coefficients = recorded(knots) - (1 / 6 + steps**2 / 24) * beside
     right = right - equations[:, ~free] @ coefficients[~free]
@@ -254,9 +255,9 @@ def behind_average(recorded, ends, motion, window):
 
 
 def true_stroke(chamber, times, positions):
-    """Knots of the true stroke from a recorded one that was late, has passed a low-pass and is a moving average."""
+    """Knots of the true stroke, from a recorded one that is delayed, low-pass filtered and averaged."""
     delay = chamber.value("position_delay", "delay_s")
-    # Behind a low-pass: x + tau dx/dt, the slope at a row the mean of those on both sides, linear between the rows.
+    # After a low-pass: x + tau dx/dt, where the slope at a row is the mean of those on both sides; linear between the rows.
     chords = np.concatenate([[0.0], np.diff(positions) / np.diff(times), [0.0]])
     positions = positions + chamber.value("position_delay", "filter_time_constant_s") * (chords[1:] + chords[:-1]) / 2
     window = chamber.value("position_averaging", "window_s")
@@ -279,7 +280,7 @@ def true_stroke(chamber, times, positions):
 
 
 def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
-    """What the program would write at `rows` (by default at the knots): each column an array.
+    """The program's expected output at `rows` (by default at the knots): each column an array.
 
     The stroke and the mass flow (into the chamber, kg/s) are linear between the knots at `times`.
     """
@@ -297,7 +298,7 @@ def simulate(chamber, times, positions, pressure, mass_flows=None, rows=None):
     delay = chamber.value("record_delay", "delay_s")
     column = 4 if chamber.value("sensor_lag", "time_constant_s") else 0
     earlier = np.maximum(rows - delay, times[0])
-    # Error estimates are blind to a curve's corners: steps there are short.
+    # Error estimates miss a curve's corners, so steps are short there.
     parts = 32 if "empirical" in chamber.effects else 1
     gas[rows <= times[0]] = y
     shown[earlier <= times[0]] = y[column]

@@ -28,7 +28,7 @@ SHAPES = {
 
 
 class Outside(reference.Chamber):
-    """A chamber with something that is not in the list of effects."""
+    """A chamber with something outside the list of effects."""
 
     def rates(self, y, x, v, mdot):
         rates, heat = super().rates(y, x, v, mdot)
@@ -58,7 +58,7 @@ OUTSIDE = {"warm wall": 2.5, "radiation": 0.03, "friction heat": 0.05, "one-side
 
 
 def stroke(moves):
-    """Pieces (begin, end, position and speed at t) of a stroke from moves (begin, length, from, to, shape)."""
+    """Pieces (start, end, position and speed at t) of a stroke, from moves (start, length, from, to, shape)."""
     pieces, time_s = [], 0.0
     for begin, length, start, end, shape in moves:
         pieces.append((time_s, begin, lambda t, x=start: (x, 0.0)))
@@ -74,7 +74,7 @@ def stroke(moves):
 
 
 def readings(chamber, moves, pressure, rows):
-    """What the sensor shows at the rows, without noise, and the positions there."""
+    """Noise-free sensor readings at the rows, and the positions there."""
     ambient = chamber.ambient_temperature
     first = moves[0][2]
     mass = pressure * chamber.volume(first) / (chamber.gas_constant * ambient)
@@ -101,7 +101,7 @@ def readings(chamber, moves, pressure, rows):
 
 
 def effects(generator, chamber, shortest, strength):
-    """Every effect of the list with sizes that a rig of this geometry may show."""
+    """Every effect of the list, with a size that a rig of this geometry can show."""
     volume = chamber.volume(shortest)
     capacity = 3e5 * volume / (chamber.gas_constant * 295) * chamber.gas_constant / (chamber.gamma - 1)
     conductance = chamber.coefficient(3e5, 295, 295, shortest, 0) * chamber.heat_area(shortest)
@@ -126,7 +126,7 @@ def effects(generator, chamber, shortest, strength):
 
 
 def rig(number, truth=None):
-    """A rig's truth: chamber, its effect's name, experiments, logger."""
+    """The truth of a rig: chamber, name of its effect, experiments, logger."""
     g = np.random.default_rng(20261121 + number)
     bore = g.choice([0.012, 0.016, 0.02, 0.025, 0.032, 0.04, 0.05, 0.063])
     longest = float(np.exp(g.uniform(math.log(0.05), math.log(0.32))))
@@ -185,7 +185,7 @@ def save(path, rows):
 
 
 def write(folder, number, truth=None):
-    """Writes a rig and says what is in it."""
+    """Writes a rig and returns its truth."""
     r = rig(number, truth)
     g, chamber = r["generator"], r["chamber"]
     folder.mkdir(parents=True, exist_ok=True)
@@ -215,7 +215,7 @@ def write(folder, number, truth=None):
 
 
 def diagnosed(program, folder, answer):
-    """What the program says of a rig, beside the truth: a row of the table."""
+    """Diagnoses a rig: returns a row of the table with verdict and truth."""
     begun = time.perf_counter()
     command = [program, "diagnose", folder / "rig.toml", "--json", folder / "diagnosis.json", "-o", folder / "model.toml"]
     run = subprocess.run(command, capture_output=True, text=True)
@@ -249,7 +249,7 @@ COLUMNS = ["rig", "effect", "strength", "move", "right", "verdict", "found", "no
 
 
 def page(rows, options):
-    """The table as a page."""
+    """The page with the table."""
     right = sum(row["right"] == "yes" for row in rows)
     judged = [row for row in rows if "in interval" in row]
     inside = sum(row["in interval"] == "yes" for row in judged)

@@ -1,4 +1,5 @@
-"""Hostile files and surroundings: a sentence within bounded time and memory, and never half a file under its own name."""
+"""Hostile files and environments: an error message within bounded time and memory, and never a partial file under a result's
+name."""
 
 import json
 import os
@@ -42,7 +43,7 @@ final_stroke_m = { from = 0.02, to = 0.09, count = 20 }
 
 @pytest.fixture
 def rig(root, tmp_path):
-    """The example's rig with one short experiment, in a folder of its own."""
+    """The example's rig with one short experiment, in a separate folder."""
     folder = tmp_path / "rig"
     folder.mkdir()
     lines = (root / "examples/cylinder/compress-ambient-1.csv").read_text().splitlines(keepends=True)
@@ -54,7 +55,8 @@ def rig(root, tmp_path):
     return folder
 
 
-# A process's peak memory counts what its parent held before exec: the program's parent is a small one, whatever pytest holds.
+# A process's peak memory includes its parent's before exec: so the program's parent is a small process, independent of pytest's
+# memory.
 RUNNER = """
 import os, resource, sys
 code = os.spawnv(os.P_WAIT, sys.argv[2], sys.argv[2:])
@@ -140,7 +142,7 @@ def test_an_endless_trace_ends_in_a_sentence(rig):
 
 
 def complete(path):
-    """Whether a result file is whole."""
+    """Checks that a result file is complete."""
     if path.suffix == ".json":
         json.loads(path.read_text())
     elif path.suffix == ".fmu":
@@ -172,7 +174,7 @@ KILLED = {
 
 
 def results(out):
-    """The results in a folder by name; what is under way has a name that begins with a point or lies in a study's `parts`."""
+    """The results in a folder by name; unfinished files have names with a leading dot or are in a study's `parts`."""
     files = {str(path.relative_to(out)): path for path in out.rglob("*") if path.is_file()}
     return {name: path for name, path in files.items() if not path.name.startswith(".") and not name.startswith("parts/")}
 
@@ -202,7 +204,7 @@ def test_what_is_killed_at_a_random_moment_leaves_no_half_written_result(command
             assert name in names
             complete(path)
     if command == "sweep":
-        # What was left goes on to the same study.
+        # The leftovers can be continued to the same study.
         subprocess.run([PROGRAM, *KILLED[command]], cwd=rig, check=True, capture_output=True, timeout=300)
         assert set(results(out)) == names
         assert not [path for path in out.rglob(".*") if path.is_file()], "temporary files of killed runs remain"
@@ -220,7 +222,7 @@ def small_disk(tmp_path):
     subprocess.run(["umount", str(folder)], check=True)
 
 
-# What each command writes, into a folder yet to be named.
+# The output of each command, into a folder given later.
 WRITING = {
     "identify": lambda out: ["identify", "rig.toml", "-o", out],
     "identify --json": lambda out: ["identify", "rig.toml", "--json", out],
@@ -235,7 +237,7 @@ INTO_A_FOLDER = ("sweep", "reproduce")
 
 
 def fill(disk):
-    """Leaves no byte free on the disk."""
+    """Fills the disk completely."""
     with open(disk / "filler", "wb", buffering=0) as file:
         try:
             while file.write(bytes(4096)):
@@ -281,7 +283,7 @@ def test_a_place_where_no_result_can_go_is_named_before_the_work(command, place,
     elif place == "write-protected":
         out.write_text("kept")
         out.chmod(0o444)
-    # The work itself would end in the refusal of a record.
+    # Without the check, the work would end with the refusal of a record.
     (rig / "one.csv").write_text("time_s,pressure_pa,position_m\n" + "".join(f"{k / 100},1e5,0.1\n" for k in range(100)))
     before = sorted(rig.iterdir())
     code, message, _, _ = bounded([command, "rig.toml", "-o", out], rig)
@@ -313,7 +315,7 @@ def test_names_with_spaces_umlauts_and_bytes_that_are_no_text_are_names(rig):
 
 
 def test_little_memory_ends_in_a_sentence_or_success(rig):
-    """An address space of 1 GB is enough for the largest file that is accepted."""
+    """An address space of 1 GB suffices for the largest file accepted."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))  # noqa: E731
     process = subprocess.run(
         [PROGRAM, "identify", "rig.toml"], cwd=rig, capture_output=True, text=True, preexec_fn=limit, timeout=300

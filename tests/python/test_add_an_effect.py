@@ -12,7 +12,7 @@ PAGE = "book/src/extend/effect.md"
 
 @pytest.fixture
 def workspace(root, tmp_path):
-    """A workspace of the physics crate alone, sharing the project's lock file."""
+    """A workspace with only the physics crate and the project's lock file."""
     shutil.copytree(root / "chamber", tmp_path / "chamber")
     shutil.copy(root / "Cargo.lock", tmp_path)
     shutil.copy(root / "rustfmt.toml", tmp_path)
@@ -27,7 +27,7 @@ def workspace(root, tmp_path):
 
 
 def follow(page, workspace):
-    """Writes the page's files and inserts its lines; returns how many of each."""
+    """Writes the page's files and inserts its lines; returns the number of each."""
     files = re.findall(r"```rust,file=(\S+)\n(.*?)```", page, flags=re.S)
     for name, text in files:
         assert not (workspace / name).exists(), f"{name} is already part of the project"

@@ -1,4 +1,4 @@
-"""Where no named effect fits: a curve read off the records, in the model, the FMU and a study, on motions it never saw."""
+"""If no named effect fits: a curve read off the records, in the model, the FMU and a study, on motions not used for it."""
 
 import json
 import tomllib
@@ -28,7 +28,7 @@ final_stroke_m = { values = [0.05, 0.07] }
 
 
 def unknown_heat():
-    """A cylinder whose friction warms the gas: a twentieth of the piston's work, whichever way it goes."""
+    """A cylinder whose friction heats the gas with a twentieth of the piston's work, in both directions."""
     values = dict(bore=0.025, dead_volume=6e-6, lambda0=35.0, ambient_temperature=loop.AMBIENT_K)
     chamber = rigs.Outside(**values)
     chamber.outside = ("friction heat", 0.05)
@@ -37,7 +37,7 @@ def unknown_heat():
 
 @pytest.fixture(scope="module")
 def diagnosed(pneutherm, tmp_path_factory):
-    """The folder of a rig with that heat, diagnosed, and what was found."""
+    """The folder of a rig with that heat, diagnosed, and the findings."""
     folder = tmp_path_factory.mktemp("curve")
     loop.write_rig(folder, unknown_heat(), np.random.default_rng(13))
     pneutherm("diagnose", "rig.toml", "-o", "model.toml", "--json", "found.json", "--report", "report.html", cwd=folder)

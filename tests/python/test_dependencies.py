@@ -1,4 +1,4 @@
-"""What the dependencies must be: one version of the crates whose types cross between ours, licences, notices."""
+"""Requirements on the dependencies: a single version of crates whose types are exchanged between ours, licences, notices."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""The scripts in `examples/` that the tutorial does not run. The DuckDB query is in the tutorial, Dask in `test_sweep.py`."""
+"""The scripts in `examples/` not run by the tutorial. The DuckDB query is in the tutorial, Dask in `test_sweep.py`."""
 
 import pathlib
 import re
@@ -14,7 +14,7 @@ pytest.importorskip("fmpy")
 
 @pytest.fixture(scope="module")
 def fmu(pneutherm, root, tmp_path_factory):
-    """The FMU of the diagnosed example, in a folder of its own."""
+    """The FMU of the diagnosed example, in a separate folder."""
     folder = tmp_path_factory.mktemp("examples")
     pneutherm("diagnose", root / "examples/cylinder", "-o", folder / "model.toml")
     pneutherm("fmu", folder / "model.toml", "-o", folder / "Chamber.fmu")
@@ -46,7 +46,7 @@ def test_the_servo_cylinder_of_two_chambers_reaches_its_place(fmu, root, tmp_pat
     said = run(root / "examples/fmu/servo_cylinder.py", fmu.with_name("CapSide.fmu"), fmu.with_name("RodSide.fmu"), cwd=tmp_path)
     reached, wanted = map(float, re.search(r"reached ([\d.]+) mm of ([\d.]+) mm", said).groups())
     assert abs(reached - wanted) < 1.0, said
-    # The way there is one that air allows: neither vacuum nor more than the supply.
+    # The trajectory is possible with air: neither vacuum nor more than the supply pressure.
     pressures = [float(p) for line in re.findall(r"p = *([\d. |]+) bar", said) for p in line.split("|")]
     assert len(pressures) == 20 and all(0.9 < p < 7.1 for p in pressures), said
 
@@ -59,7 +59,7 @@ def test_the_error_of_the_coupling_falls_with_the_step(fmu, root):
     fine, *coarse = (servo_cylinder.run(*sides, step) for step in (1e-4, 1e-3, 5e-3))
     errors = [max(abs(a[0] - b[0]) for a, b in zip(course, fine)) for course in coarse]
     assert errors[0] < 0.2e-3 and 3.0 < errors[1] / errors[0] < 8.0, errors
-    # The README's table has them against a step half as long.
+    # The README's table states them relative to a step half as long.
     table = (root / "examples/fmu/README.md").read_text()
     for step, error in zip((1, 5), errors, strict=True):
         stated = float(re.search(rf"^\| {step} ms \| ([\d.]+) mm", table, re.M)[1])
@@ -96,7 +96,7 @@ def test_the_modelica_example_is_modelica(root):
     parser = pytest.importorskip("pymoca.parser", reason="pymoca, which parses Modelica, is not installed")
     text = (root / "examples/fmu/ServoCylinder.mo").read_text()
     cylinder = parser.parse(text).classes["ServoCylinder"]
-    # All that an imported chamber asks its host for is connected, on both sides.
+    # All inputs of an imported chamber are connected, on both sides.
     set_by_equations = {str(equation.left) for equation in cylinder.equations}
     assert len(cylinder.equations) == len(set_by_equations) == 30
     with pytest.raises(parser.ModelicaSyntaxError):
@@ -117,7 +117,7 @@ def ssp(fmu, root):
 
 @pytest.fixture(scope="module")
 def by_hand(ssp, root):
-    """What is watched, step by step, with FMPy as the master: all step, then outputs become inputs."""
+    """The observed values, step by step, with FMPy as the master: all step, then outputs become inputs."""
     sys.path.insert(0, str(root / "examples/fmu"))
     import servo_ssp
     from fmpy import extract, read_model_description
@@ -168,7 +168,7 @@ def test_the_servo_cylinder_of_the_archive_goes_where_that_of_the_script_goes(by
 
     script = np.array(servo_cylinder.run(*(str(fmu.with_name(name)) for name in ("CapSide.fmu", "RodSide.fmu")), STEP_S))
     archive = by_hand[19::20, :3]
-    # The archive's master exchanges once a step, the script splits the push: what differs is the error of the coupling.
+    # The archive's master exchanges once per step, the script splits the push: the difference is the coupling error.
     assert abs(script - archive)[:, 0].max() < 1e-3 and abs(script - archive)[:, 1:].max() < 5e3
     assert abs(archive[-1, 0] - servo_cylinder.TARGET_M) < 1e-3
 

@@ -1,4 +1,4 @@
-"""The FMU in clients that others wrote, and against SciPy. A client that is not here skips its test and says so."""
+"""The FMU in third-party clients, and compared with SciPy. Tests of missing clients are skipped with a message."""
 
 import ctypes
 import html
@@ -46,7 +46,7 @@ AREA = np.pi / 4 * (BORE**2 - ROD**2)
 
 
 def wall_area(volume):
-    """Barrel, rod and the two ring faces: Aq = 4 V/(bore - rod) + pi (bore^2 - rod^2)/2."""
+    """Barrel, rod and the two annular faces: Aq = 4 V/(bore - rod) + pi (bore^2 - rod^2)/2."""
     return 4 * volume / (BORE - ROD) + 2 * AREA
 
 
@@ -59,7 +59,7 @@ def fmu(tmp_path_factory, pneutherm):
 
 
 class Slave:
-    """An instance in FMPy, by names."""
+    """An instance in FMPy, with access by variable names."""
 
     def __init__(self, fmu, name="slave", **start):
         self.description = read_model_description(str(fmu))
@@ -152,7 +152,7 @@ def test_charging_and_discharging_agree_with_scipy(fmu):
             x, v = 0.08 + 0.02 * np.sin(9 * t), 0.18 * np.cos(9 * t)
             inflow, outflow = 3e-4 * (1 + np.sin(5 * t)), 2e-4 * (1 - np.cos(11 * t))
             if step:
-                # The stroke that position and velocity disagree by is taken up adiabatically.
+                # The jump between position and integrated velocity is applied adiabatically.
                 y[1] *= ((DEAD + AREA * reached) / (DEAD + AREA * x)) ** (GAMMA - 1)
             for name, value in (("position", x), ("velocity", v), ("massFlowIn", inflow), ("massFlowOut", outflow)):
                 slave.set(name, value)
@@ -217,7 +217,7 @@ def test_fmutool_finds_it_compliant(fmu):
 
 
 def by_fmpy(fmu, steps, h):
-    """The push and hold that the FMU shows a host which sets nothing."""
+    """The default push and hold of the FMU, whose host sets nothing."""
     slave = Slave(fmu)
     values = []
     for k in range(steps):
@@ -246,7 +246,7 @@ def test_libcosimpy_gives_the_same_digits(fmu):
     for k in range(steps):
         execution.step()
         values = observer.last_real_values(index, [references[name] for name in names])
-        # The clients' clocks differ in their last bit, and with them the end of the push.
+        # The clients' clocks, and hence the end of the push, differ in the last bit.
         assert list(values) == pytest.approx(list(hot[k]), rel=1e-12, abs=1e-12), k
 
 
@@ -378,7 +378,7 @@ def test_the_commands_that_readmes_give_for_fmpy_run(fmu, root, tmp_path):
     pages = "".join((root / page).read_text() for page in ("README.md", "examples/fmu/README.md"))
     commands = re.findall(r"^\$ (fmpy simulate .*)$", pages, re.M)
     assert len(commands) == 3, commands
-    # The browser in which a plot is shown: it keeps the page.
+    # The browser that displays a plot: it stores the page.
     (tmp_path / "browser.py").write_text("import sys, urllib.request as r\nopen('plot.html', 'wb').write(r.urlopen(sys.argv[1]).read())\n")
     environment = {**os.environ, "PLOTLY_RENDERER": "browser", "BROWSER": f"{sys.executable} browser.py %s &"}
     for command in commands:
@@ -464,7 +464,7 @@ def test_a_measured_record_inside_is_replayed_within_the_error_that_is_stated(pn
     assert np.allclose(found["time"], measured["time"], atol=1e-9)
     residual = found["measuredPressure"] - measured["measuredPressure"]
     assert np.sqrt(np.mean(residual**2)) == pytest.approx(error, rel=1e-2)
-    # The error of the model on the records left out of its fit, as its file has it.
+    # The error of the model on left-out records, as stated in its file.
     model = tomllib.loads((tmp_path / "model.toml").read_text())
     assert error < 1.1 * model["provenance"]["rmse_after_pa"]["held_out"]
 

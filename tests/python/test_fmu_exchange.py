@@ -1,4 +1,4 @@
-"""The FMU in FMPy's Model Exchange: CVode and Euler against co-simulation, the exact solution and SciPy."""
+"""The FMU in FMPy's Model Exchange: CVode and Euler compared with co-simulation, the exact solution and SciPy."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def exact_pressure(times):
 
 def test_cvode_agrees_with_co_simulation_and_the_exact_ramp_and_hold(fmu):  # noqa: F811
     together = run(fmu, "CoSimulation", relative_tolerance=1e-11)
-    # CVODE's tolerance is on the mean over all states, of which those of effects that are off never err.
+    # CVODE's tolerance applies to the mean over all states; those of inactive effects have no error.
     apart = run(fmu, "ModelExchange", relative_tolerance=5e-10)
     exact = exact_pressure(together["time"])
     assert np.max(np.abs(together["pressure"] / exact - 1)) < 1e-8
@@ -60,7 +60,7 @@ def test_euler_converges_as_its_order_says(fmu):  # noqa: F811
 
 
 def test_no_step_straddles_choking_or_the_turn_of_a_flow(fmu):  # noqa: F811
-    # The leak stops choking and turns round twice; the flow turns at a time that is no multiple of the output's interval.
+    # The leak stops choking and reverses twice; the flow reverses at a time that is no multiple of the output interval.
     start = START | {"initialPressure": 6e5, "leakage.conductance": 2e-9, "leakage.criticalPressureRatio": 0.4}
     flow = np.array([(0, 0, 0), (0.5, 0, 0), (1, 0, -1e-4), (1.5, 0, 1.3e-4)], dtype=[("time", float), ("velocity", float), ("massFlowIn", float)])
     result = run(fmu, "ModelExchange", start_values=start, input=flow, stop_time=1.5, relative_tolerance=1e-8, record_events=True,

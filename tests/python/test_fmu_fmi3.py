@@ -1,4 +1,4 @@
-"""The FMU of FMI 3.0 in FMPy: valid, bit by bit that of FMI 2.0, and back early at events."""
+"""The FMU of FMI 3.0 in FMPy: valid, bit-identical with that of FMI 2.0, and with early return at events."""
 
 import os
 import random
@@ -26,7 +26,7 @@ def fmu3(fmu, pneutherm):  # noqa: F811
 
 
 class Slave3:
-    """An instance of FMI 3.0 in FMPy, by names."""
+    """An instance of FMI 3.0 in FMPy, with access by variable names."""
 
     def __init__(self, path, early=False, **start):
         self.description = read_model_description(str(path))

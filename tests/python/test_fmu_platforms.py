@@ -1,6 +1,7 @@
-"""The FMU's library for each platform: what it exports and needs, its signature, and, where an emulator is, its numbers.
+"""The FMU's library for each platform: its exports and dependencies, its signature and, where there is an emulator, its
+results.
 
-`release/libraries.py` makes the libraries that are not this machine's own; those that are not in the FMU are skipped.
+`release/libraries.py` builds the libraries for other platforms; those not in the FMU are skipped.
 """
 
 import hashlib
@@ -21,7 +22,7 @@ fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 from test_fmu_clients import fmu  # noqa: E402, F401
 from test_fmu_rust_clients import push_and_hold  # noqa: E402
 
-FUNCTIONS = {"fmi2": 44, "fmi3": 75}  # both standards, whole
+FUNCTIONS = {"fmi2": 44, "fmi3": 75}  # both standards, complete
 OLDEST_GLIBC = (2, 17)
 
 
@@ -46,7 +47,7 @@ def only_fmi(names):
 
 @pytest.mark.parametrize("name", ["linux64", "aarch64-linux"])
 def test_the_library_for_linux_needs_the_c_library_alone(library, name):
-    """GCC's runtime, which small containers lack, is linked in."""
+    """GCC's runtime, which small containers lack, is linked statically."""
     needed = lief.ELF.parse(str(library(name))).libraries
     assert needed and all(re.match(r"lib(m|c|dl|pthread)\.so|ld-linux", lib) for lib in needed), needed
 
@@ -88,12 +89,12 @@ def test_the_library_for_macos_exports_fmi_alone_and_its_signature_holds(library
         content = path.read_bytes()[binary.fat_offset :][: binary.original_size]
         if binary.has_code_signature:
             check_signature(content, binary.code_signature.data_offset)
-        # Intel's processors run unsigned code, Apple's do not.
+        # Intel processors run unsigned code, Apple's do not.
         assert binary.has_code_signature or binary.header.cpu_type.name == "X86_64"
 
 
 def check_signature(content, at):
-    """Every page's hash is that of the page: what macOS checks before it runs code."""
+    """Every page's hash matches the page: what macOS checks before it runs code."""
     magic, _, count = struct.unpack_from(">III", content, at)
     assert magic == 0xFADE0CC0
     blobs = [at + struct.unpack_from(">II", content, at + 12 + 8 * i)[1] for i in range(count)]
@@ -141,7 +142,7 @@ def test_a_host_in_c_reads_the_same_numbers_on_every_platform(fmu, library, root
     expected = [row[3:] for row in push_and_hold(fmu)]
     assert len(rows) == len(expected) and "position" in run.stderr, run.stderr
     for k, (found, reference) in enumerate(zip(rows, expected, strict=True)):
-        # The same code with another C library's exp and pow.
+        # The same code with the exp and pow of another C library.
         assert found == pytest.approx(reference, rel=1e-12, abs=1e-9), k
 
 

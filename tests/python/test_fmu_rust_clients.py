@@ -1,4 +1,4 @@
-"""The FMU in importers written in Rust by others: `fmi`, `fmi-rs`; and the official header as `fmi-sys` has it."""
+"""The FMU in third-party importers written in Rust: `fmi`, `fmi-rs`; and the official header, through `fmi-sys`."""
 
 import glob
 import os
@@ -13,7 +13,7 @@ from test_fmu_clients import Slave, fmu  # noqa: E402, F401
 
 
 def libclang():
-    """Where bindgen finds libclang, or whether it need not be told."""
+    """Whether bindgen can find libclang."""
     if "LIBCLANG_PATH" in os.environ:
         return True
     places = ["/usr/lib/llvm-*/lib", "/usr/lib/*-linux-gnu", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib"]
@@ -25,7 +25,7 @@ def bits(value):
 
 
 def push_and_hold(fmu, steps=100, h=0.01):
-    """Inputs before and outputs after each step: a push of 0.2 s, then the piston held."""
+    """Inputs before and outputs after each step: a push of 0.2 s, then a hold."""
     slave = Slave(fmu)
     for k in range(steps):
         position, velocity = (0.1 - 0.0025 * k, -0.25) if k < 20 else (0.05, 0.0)

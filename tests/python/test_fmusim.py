@@ -1,7 +1,7 @@
-"""The FMU in `fmusim`, the Modelica Association's own importer: the experiment inside, in both versions and both kinds.
+"""The FMU in `fmusim`, the Modelica Association's own importer: the embedded experiment, in both versions and both kinds.
 
-It is in C in the history of the Reference-FMUs (last at 7b3fc08's parent) and builds with CMake, or with one call of a C
-compiler, SUNDIALS, libxml2, zlib and minizip. `PNEUTHERM_FMUSIM` names the program where it is not on the path.
+Its C version is in the history of the Reference-FMUs (last at 7b3fc08's parent) and builds with CMake, or with one call of a C
+compiler, SUNDIALS, libxml2, zlib and minizip. `PNEUTHERM_FMUSIM` names the program if it is not on the path.
 """
 
 import os

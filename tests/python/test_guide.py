@@ -1,4 +1,4 @@
-"""Runs the tutorial's commands verbatim, page after page, in a copy of the examples' folder."""
+"""Runs the tutorial's commands verbatim, page by page, in a copy of the examples' folder."""
 
 import itertools
 import os
@@ -23,7 +23,7 @@ def blocks(page):
 
 @pytest.fixture(scope="module")
 def folder(root, tmp_path_factory):
-    """A copy of the examples' folder, shared by all pages: each goes on where the one before ended."""
+    """A copy of the examples' folder, shared by all pages: each continues from the previous one."""
     folder = tmp_path_factory.mktemp("a reader's folder") / "try"
     shutil.copytree(root / "examples", folder)
     return folder
@@ -38,7 +38,7 @@ def environment(package, tmp_path_factory):
     # A symbolic link to a virtual environment's interpreter would lose the environment.
     (tools / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     (tools / "python").chmod(0o755)
-    # `pip install .` would put the module there too.
+    # `pip install .` would put the module on the path too.
     paths = {"PATH": os.pathsep.join([str(tools), os.environ["PATH"]]), "PYTHONPATH": str(package)}
     return {**os.environ, **paths}
 
@@ -63,7 +63,7 @@ def run(command, folder, environment):
 
 
 def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder, environment):
-    """What the tutorial promises of its example; runs after its pages."""
+    """The tutorial's claim about its example; runs after its pages."""
     if not (folder / "compare.py").exists():
         pytest.skip("the tutorial's pages did not run")
     output = subprocess.run(
@@ -74,7 +74,7 @@ def test_the_diagnosed_model_predicts_the_validation_record_better(root, folder,
 
 
 def test_lambda0_falls_and_rises_in_the_tutorial_s_two_studies_of_volume_over_area(folder):
-    """What the page says of them; runs after the tutorial's pages. Every row has its result."""
+    """The page's claim about the studies; runs after the tutorial's pages. Every row has its result."""
     if not (folder / "both_ways.py").exists():
         pytest.skip("the tutorial's pages did not run")
     for name, sign in [("by_length", -1), ("by_bore", 1)]:
@@ -104,13 +104,13 @@ def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path)
     (tmp_path / "study.toml").write_text(study)
     pneutherm("fmu", "model.toml", "-o", "Chamber.fmu", cwd=tmp_path)
     assert "72 in 16 of 16 parts" in pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
-    # What stands there as a comment is a key too.
+    # Keys in comments of the page must be valid too.
     table = study.replace('"factorial"', '"table"').replace("parts = 16", "parts = 1").replace("# table", "table")
     (tmp_path / "study.toml").write_text(table.replace("# columns", "columns").split("\n[vary]\n")[0])
     (tmp_path / "points.csv").write_text("bore_m,dead_volume_m3\n0.02,1e-6\n0.03,1e-6\n")
     said = pneutherm("sweep", "study.toml", "-o", "out", "--dry-run", cwd=tmp_path).stdout
     assert "2 in 1 of 1 parts" in said, said
-    # Further tables of a study, each with whatever else makes a study of it.
+    # Further tables for a study, each completed to a full study.
     head = (study.split("\n[vary]\n")[0] + "\n").replace('"factorial"', '"sobol"').replace("samples = 100000", "samples = 64")
     tables = [text for language, _, text in blocks(page) if language == "text"]
     whole, *others = [text for language, _, text in blocks((root / "sweep/README.md").read_text()) if language == "toml"]
@@ -126,7 +126,7 @@ def test_the_files_of_the_reference_page_are_accepted(root, pneutherm, tmp_path)
 
 
 def hand_written(root):
-    """The pages that people write: those of the book that are not made from the code, and the pages beside the sources."""
+    """The hand-written pages: those of the book not generated from code, and the pages beside the sources."""
     book = [page for page in (root / "book/src").rglob("*.md") if not page.read_text().startswith("<!-- Made by")]
     beside = ["README.md", "CHANGELOG.md", "benches/README.md", "examples/fmu/README.md", "fmu/binaries/README.md"]
     return [*book, *(root / name for name in [*beside, "results/README.md", "sweep/README.md"])]
@@ -142,7 +142,7 @@ def test_every_option_that_a_page_names_is_one_of_the_command(root):
             for option in re.findall(r"(?<!\S)--[a-z][a-z-]+", rest.split("#")[0]):
                 assert option in options[f"pneutherm {command}"], f"{page.name}: pneutherm {command} {option}"
                 named += 1
-        # Options in the text itself are the program's, wherever no other program is named beside them.
+        # Options in running text belong to this program, unless listed as another program's.
         for option in re.findall(r"`(--[a-z][a-z-]+)[^`]*`", re.sub(r"```.*?```", "", text, flags=re.S)):
             assert option in set().union(*options.values()) | OTHERS, f"{page.name}: {option}"
             named += 1
@@ -165,10 +165,10 @@ def test_every_file_that_a_page_names_exists(root):
     assert named > 40, named
 
 
-# Files that an example of a page makes.
+# Files created by following an example of a page.
 MADE = {"chamber/src/effects/seal_film.rs"}
 
-# What `identify/src/policy.rs` says, and how the pages on the method state it.
+# Constants in `identify/src/policy.rs`, and their statements on the pages about the method.
 POLICY = {
     "DECISIVE: f64 = 10.0": "ΔBIC above 10 is very strong evidence",
     "INDISTINGUISHABLE: f64 = 6.0": "whose BIC is within 6 of its BIC",

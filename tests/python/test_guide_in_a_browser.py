@@ -1,4 +1,4 @@
-"""The guide as mdBook renders it, in a real browser: no complaint, nothing loaded from elsewhere, nothing cut off."""
+"""The guide as rendered by mdBook, in a real browser: no errors, no external requests, nothing cut off."""
 
 import shutil
 import subprocess

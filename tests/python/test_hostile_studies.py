@@ -1,4 +1,4 @@
-"""Bad studies: each ends in one sentence that names the file, and nothing is written."""
+"""Invalid studies: each ends with one sentence that names the file, and nothing is written."""
 
 import numpy as np
 import pyarrow as pa
@@ -19,16 +19,16 @@ RANGE = ("{ values = [0.02, 0.03] }", "{ from = 0.02, to = 0.03, count = 3 }")
 
 
 def vary(line):
-    """The study varies this, too."""
+    """Replacement that varies this quantity, too."""
     return [("[vary]\n", f"[vary]\n{line}\n")]
 
 
 def only(line):
-    """The study varies this alone."""
+    """Replacement that varies only this quantity."""
     return [("bore_m = { values = [0.02, 0.03] }", line)]
 
 
-# What is replaced by what in the study above, and what the sentence has to say.
+# Replacements in the study above, and the expected part of the error message.
 STUDIES = {
     "an empty file": ([(STUDY, "")], "study.model: missing"),
     "not TOML": ([("[study]", "[study")], "line 1, column"),
@@ -176,7 +176,7 @@ def csv(text):
     return "points.csv", lambda folder: (folder / "points.csv").write_text(text)
 
 
-# A table of points, and what the sentence has to say.
+# A table of points, and the expected part of the error message.
 TABLES = {
     "absent": (("points.csv", lambda folder: None), "points.csv: cannot be read"),
     "of another kind": (("points.xlsx", lambda folder: (folder / "points.xlsx").write_text("PK")), "whose name ends in .parquet or .csv"),
@@ -213,7 +213,7 @@ def test_a_bad_table_of_points_ends_in_one_sentence(name, tmp_path, pneutherm):
     assert sentence in error and str(tmp_path) in error, error
 
 
-# What the folder of the output holds already, and what the sentence has to say.
+# Previous contents of the output folder, and the expected part of the error message.
 FOLDERS = {
     "a file": (lambda out: out.write_text(""), "it is a file, not a folder"),
     "a table of someone's": (lambda out: (out.mkdir(), (out / "mine.parquet").write_text("")), "mine.parquet is not in rows/"),
@@ -237,7 +237,7 @@ def test_a_folder_that_is_not_the_study_s_is_refused_and_left_alone(name, tmp_pa
 
 
 SOBOL_STUDY = STUDY.replace(*SOBOL).replace(*RANGE)
-# A study to be continued, the one that should continue it, and what the sentence has to say.
+# A study, another one that should continue it, and the expected part of the error message.
 CONTINUED = {
     "fewer samples": (SOBOL_STUDY, SOBOL_STUDY.replace("samples = 16", "samples = 8"), "it has 16 rows, this study only 8"),
     "another seed": (SOBOL_STUDY, SOBOL_STUDY.replace("samples = 16", "samples = 32\nseed = 1"), "its seed is 0, this study's 1"),

@@ -1,4 +1,4 @@
-"""The table of `book/src/theory/apart.md`: how each effect changes the pressure of a push and hold, by simulation."""
+"""Checks the table of `book/src/theory/apart.md` by simulation: how each effect changes the pressure of a push and hold."""
 
 import csv
 import io
@@ -30,11 +30,11 @@ pressure_pa = 101300.0
 """
 
 TIMES = np.arange(0.0, 9.0, 0.005)
-# In each: first and last position, m; pressure at the start, Pa. The move lasts from 0.5 to 0.6 s.
+# For each: first and last position, m; initial pressure, Pa. The move lasts from 0.5 to 0.6 s.
 MOVES = {"compression": (0.15, 0.083, 3.2e5), "expansion": (0.083, 0.15, 5e5), "below ambient": (0.083, 0.15, 1.013e5)}
 
-# Each effect with a size, and the sign of what it adds to the pressure of each move: halfway through the move, at its end,
-# early and late in the hold. 0: nothing to speak of; ANY: the page does not say.
+# Each effect with a size, and the sign of its contribution to the pressure in each move: halfway through the move, at its end,
+# early and late in the hold. 0: negligible; ANY: not stated on the page.
 ANY = None
 LEAK = {"compression": (ANY, ANY, -1, -1), "expansion": (ANY, ANY, -1, -1), "below ambient": (ANY, ANY, 1, 1)}
 SLOWER = {"compression": (ANY, ANY, 1, 1), "expansion": (ANY, ANY, -1, -1), "below ambient": (ANY, ANY, -1, ANY)}
@@ -86,13 +86,13 @@ EFFECTS = {
         {"compression": (ANY, 1, 0, 0), "expansion": (ANY, -1, 0, 0), "below ambient": (ANY, -1, 0, 0)},
     ),
 }
-# These two change how the time constant depends on pressure and length, not the shape of one relaxation.
+# These two change the dependence of the time constant on pressure and length, not the shape of a single relaxation.
 EFFECTS_OF_SEVERAL_TESTS = {"pressure_exponent": {"pressure_exponent": 0.7}, "gas_column_length": {"exponent": -0.5}}
 
 
 @pytest.fixture(scope="module")
 def simulated(pneutherm, tmp_path_factory):
-    """Simulates a move with an effect, and keeps what was simulated."""
+    """Simulates a move with an effect, and caches the results."""
     folder = tmp_path_factory.mktemp("effects")
     known = {}
 
@@ -118,7 +118,7 @@ def test_an_effect_changes_the_pressure_as_the_page_says(simulated, effect):
     parameters, expected = EFFECTS[effect]
     for move, signs in expected.items():
         paper, found = simulated(move), simulated(move, effect, parameters)
-        # What counts as something: a five-hundredth of the relaxation.
+        # Threshold of a significant change: a five-hundredth of the relaxation.
         peak = paper[120:].max() - paper[-1] if move == "compression" else paper[-1] - paper[120:].min()
         least = peak / 500
         for time, sign in zip((0.55, 0.6, 1.3, 4.5), signs):
@@ -134,7 +134,7 @@ def test_a_warm_wall_acts_like_an_error_of_the_ambient_temperature(simulated):
 
 
 def time_constant(pressure):
-    """Time in which 1 - Pf/P falls to 1/e from just after the move."""
+    """Time, from just after the move, in which 1 - Pf/P falls to 1/e."""
     hold, times = pressure[124:], TIMES[124:]
     share = np.abs(1 - hold[-1] / hold)
     return np.interp(1 / np.e, (share / share[0])[::-1], times[::-1]) - times[0]

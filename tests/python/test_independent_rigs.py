@@ -1,4 +1,4 @@
-"""`diagnose` on rigs from a simulator that shares no code with it: the effect's name, its model on a motion never seen."""
+"""`diagnose` on rigs from a simulator that shares no code with it: the effect's name, and its model on an unseen motion."""
 
 import csv
 import json
@@ -9,7 +9,7 @@ import pytest
 
 import rigs
 
-# Numbers of rigs: one without an effect, one of every balance and kind of sensor effect, some outside the list.
+# Numbers of rigs: one without an effect, one for every balance and kind of sensor effect, some outside the list.
 NUMBERS = [0, 1, 2, 5, 7, 8, 9, 10, 13, 17, 25, 41]
 
 
@@ -25,7 +25,7 @@ def test_what_another_simulator_put_in_is_what_diagnose_finds(number, pneutherm,
     found = json.loads((tmp_path / "diagnosis.json").read_text())
     effect = answer["effect"]
     if effect == "outside":
-        # A wall that is warmer than the gas at the start is the records' initial temperature to the gas.
+        # For the gas, an initially warmer wall is equivalent to the records' initial temperature.
         warm_wall = "warm wall" in answer["parameters"]
         assert found["verdict"] in ("unexplained", "improved") or (warm_wall and found["effects"] in ([], ["warm_wall"]))
         if found["verdict"] == "adequate":
@@ -41,7 +41,7 @@ def test_what_another_simulator_put_in_is_what_diagnose_finds(number, pneutherm,
     pneutherm("simulate", "model.toml", "--motion", "validation.csv", "-o", "simulated.csv", cwd=tmp_path)
     measured, position = (column(tmp_path / "validation.csv", name) for name in ("pressure_pa", "position_m"))
     error = column(tmp_path / "simulated.csv", "pressure_pa") - measured
-    # `simulate` begins at the mean of the rest, whose error of noise/√rows goes on in proportion to the pressure: one draw, 2.5 sd.
+    # `simulate` starts from the mean of the rest; its error, noise/√rows, scales with the pressure: one draw, 2.5 sd.
     rest = int(np.argmax(np.abs(position - position[0]) > 1e-4))
     by_start = 2.5 * found["noise_pa"] / np.sqrt(rest) * measured / measured[:rest].mean()
     assert np.mean(error**2) < 1.1**2 * found["noise_pa"] ** 2 + np.mean(by_start**2)

@@ -1,4 +1,4 @@
-"""What an interrupted command leaves behind: nothing."""
+"""An interrupted command leaves nothing behind."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ TRIES = 5
 
 
 def is_being_written(folder):
-    """Whether the temporary file of `out.csv` has begun; it may be gone while one looks."""
+    """Whether the temporary file of `out.csv` has been started; it may disappear during the check."""
     try:
         return any(path.stat().st_size > 0 for path in folder.glob(".out.csv.*.tmp"))
     except FileNotFoundError:
@@ -39,7 +39,7 @@ def test_an_interrupt_while_a_file_is_written_leaves_no_half_written_one(tmp_pat
                 break
         said = process.communicate(timeout=60)[1]
         if process.returncode == 0:
-            # It was done before the interrupt.
+            # It finished before the interrupt.
             (tmp_path / "out.csv").unlink()
             continue
         assert process.returncode == -signal.SIGINT and said == b""

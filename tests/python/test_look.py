@@ -114,7 +114,7 @@ def test_an_awkward_file_becomes_a_rig_and_gives_the_coefficient(write, record, 
     content = write(record)
     (tmp_path / "run.txt").write_bytes(content if isinstance(content, bytes) else content.encode())
     pneutherm("look", "run.txt", "--bore-mm", "32", "-o", "rig.toml", cwd=tmp_path)
-    if write is volts:  # what no program can know is marked, and typed by the user
+    if write is volts:  # unknowable for a program: marked, and typed by the user
         rig = (tmp_path / "rig.toml").read_text()
         assert rig.count("FILL IN scale") == 2
         pressure, position = "scale = 1e5, offset = -0.5e5", "scale = 0.02, offset = 0.0"
@@ -146,7 +146,7 @@ def test_look_says_what_it_found(record, pneutherm, tmp_path):
 
 
 def assert_three_experiments_give_the_coefficient(rows, pneutherm, tmp_path):
-    """Of one file that holds three cycles."""
+    """Checks a file that contains three cycles."""
     text = table(rows, "time_s,pressure_pa,position_m", lambda t, p, x: f"{t:.4f},{p:.2f},{x:.8f}")
     (tmp_path / "cycles.csv").write_text(text)
     pneutherm("look", "cycles.csv", "--bore-mm", "32", "--split", "-o", "rig.toml", cwd=tmp_path)
@@ -198,7 +198,7 @@ def test_positions_in_millimetres_under_the_name_of_metres_are_refused(command, 
 
 
 def test_cycles_of_a_shut_chamber_share_the_rests_between_them(pneutherm, tmp_path):
-    """In, out and in again without opening the port: a hold is the rest of the next test."""
+    """In, out and in again without opening the port: a hold is also the rest of the next test."""
     (tmp_path / "model.toml").write_text(MODEL)
 
     def position(t):

@@ -1,5 +1,5 @@
-"""Modules of a crate look one way: none uses one that leads back to it, be it a file or a folder with all that is in it. A
-module's `mod` lines and what it hands on (`pub use`) do not count; who uses what is handed on uses the module that has it."""
+"""Modules of a crate have no circular uses: neither files, nor folders with all their contents. A module's `mod` lines and
+re-exports (`pub use`) do not count; using a re-export counts as using the module that defines it."""
 
 import re
 from graphlib import CycleError, TopologicalSorter
@@ -26,7 +26,7 @@ def paths(tree, head=""):
 
 
 class Crate:
-    """The modules of a source folder, and which of them each uses."""
+    """The modules of a source folder, and the modules that each uses."""
 
     def __init__(self, source):
         code = {}
@@ -45,7 +45,7 @@ class Crate:
         self.graph = {module: {self.home(path) for path in found} - {module} for module, found in used.items()}
 
     def absolute(self, module, found):
-        """Paths from the crate's root on, of those that stay in the crate."""
+        """Absolute paths within the crate, for those that stay in it."""
         all_of_them = []
         for path in found:
             names = tuple(name.strip() for name in path.split("::") if name.strip() not in ("self", "*"))
@@ -59,7 +59,7 @@ class Crate:
         return all_of_them
 
     def home(self, path):
-        """The module that has what a path names."""
+        """The module that defines the item at a path."""
         for length in range(len(path), -1, -1):
             if path[:length] in self.modules:
                 break
@@ -69,7 +69,7 @@ class Crate:
         return path[:length]
 
     def folders(self):
-        """For each folder, which of its entries use which other ones."""
+        """For each folder, which of its entries use which others."""
         for folder in sorted({module[:-1] for module in self.modules if module}):
             depth = len(folder) + 1
             inside = {module for module in self.modules if module[:-1][: len(folder)] == folder and len(module) >= depth}
@@ -88,7 +88,7 @@ def refuse_circles(graph):
 
 @pytest.mark.parametrize("crate", ["chamber", "records", "ensemble", "paper", "identify", "sweep", "fmu", "report", "."])
 def test_files_import_one_way(root, crate):
-    """How a module is divided into its own parts does not count here."""
+    """The division of a module into its own parts does not count here."""
     graph = Crate(root / crate / "src").graph
     assert 2 * sum(map(len, graph.values())) > len(graph), "imports are not seen any more"
     refuse_circles({module: {other for other in used if other[: len(module)] != module} for module, used in graph.items()})

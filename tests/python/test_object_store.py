@@ -1,4 +1,4 @@
-"""`pneutherm sweep -o s3://…`: a study in an object store, here a local server that speaks S3, is the study of a folder."""
+"""`pneutherm sweep -o s3://…`: a study in an object store, here a local S3 server, equals that in a folder."""
 
 import signal
 import subprocess
@@ -16,7 +16,7 @@ from test_sweep import COMMON, lasting, table, write
 
 
 def has_object_stores():
-    """Whether the program was built with the feature object-store: then it misses the rest of the address."""
+    """Whether the program was built with the feature object-store: it then reports an incomplete address."""
     command = [PROGRAM, "sweep", "--verify", "s3://bucket"]
     return "object-store" not in subprocess.run(command, capture_output=True, text=True).stderr
 
@@ -38,7 +38,7 @@ def test_an_address_of_a_file_is_a_folder_and_other_addresses_are_refused(tmp_pa
 
 @pytest.fixture(scope="module")
 def bucket():
-    """A client of a local S3 server, its address, and the environment in which the program finds it."""
+    """A client of a local S3 server, its address, and the environment for the program."""
     if not has_object_stores():
         pytest.skip("the program is built without the feature object-store")
     server = pytest.importorskip("moto.server", reason='no local S3 server (pip install "moto[server]")')
@@ -58,7 +58,7 @@ def bucket():
 
 
 def objects(s3, prefix):
-    """Names of what is below a prefix of the bucket, without the prefix."""
+    """Names of the objects below a prefix of the bucket, without the prefix."""
     listed = s3.list_objects_v2(Bucket="studies", Prefix=prefix).get("Contents", [])
     return sorted(entry["Key"].removeprefix(prefix) for entry in listed)
 
@@ -80,7 +80,7 @@ def test_shards_into_an_object_store_are_the_study_of_a_folder(bucket, tmp_path,
             assert pq.read_table(pa.BufferReader(body(f"a/b/{name}"))).equals(pq.read_table(path))
         elif name.startswith(("statistics.", "sensitivity.")):
             assert body(f"a/b/{name}") == path.read_bytes()
-    # Another byte is found by --verify, a part that is gone by the next run.
+    # A changed byte is detected by --verify, a missing part by the next run.
     part = next(name for name in whole if name.startswith("rows/"))
     s3.put_object(Bucket="studies", Key=f"a/b/{part}", Body=body(f"a/b/{part}")[:-1] + b"x")
     assert part in pneutherm("sweep", "--verify", "s3://studies/a/b", code=1).stderr
@@ -119,7 +119,7 @@ def test_a_part_of_several_uploads_is_whole_or_not_there(bucket, tmp_path, pneut
     s3, _ = bucket
     study = write(tmp_path, 'design = "sobol"\nsamples = 200000\nparts = 1\nfit = false', COMMON)
     part = "pieces/rows/part-00000-of-00001.parquet"
-    # What a run leaves that is killed while it sends the part: an upload that nobody completes.
+    # Left behind by a run killed during the upload of a part: an upload that is never completed.
     upload = s3.create_multipart_upload(Bucket="studies", Key=part)["UploadId"]
     s3.upload_part(Bucket="studies", Key=part, UploadId=upload, PartNumber=1, Body=bytes(6 << 20))
     assert objects(s3, "pieces/") == []
@@ -134,7 +134,7 @@ def test_without_credentials_one_sentence_says_which_are_missing(bucket, tmp_pat
     error = pneutherm("sweep", study, "-o", "s3://studies/out", code=1).stderr
     assert error.count("\n") == 1 and "AccessKeyId" in error, error
     monkeypatch.delenv("AWS_SECRET_ACCESS_KEY")
-    monkeypatch.setenv("AWS_METADATA_ENDPOINT", "http://127.0.0.1:9")  # no machine with a role of its own
+    monkeypatch.setenv("AWS_METADATA_ENDPOINT", "http://127.0.0.1:9")  # no machine with a role
     error = pneutherm("sweep", study, "-o", "s3://studies/out", code=1).stderr
     assert error.count("\n") == 1 and "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY" in error, error
 

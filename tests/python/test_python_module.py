@@ -107,7 +107,7 @@ def test_what_is_wrong_is_raised_as_the_program_s_sentence(module, root, tmp_pat
 
 
 def native_simulation(module, root):
-    """What `simulate` makes a pyarrow table of."""
+    """The native result behind the pyarrow table of `simulate`."""
     model, motion = root / "fuzz/corpus/model/paper.toml", root / "examples/cylinder/validation.csv"
     return module._native.simulate((model, None), motion, (None, None), 2e5, False, None, 0.95, 0)
 
@@ -151,7 +151,7 @@ def test_the_module_and_the_program_give_the_same_rows(module, root, pneutherm, 
 
 def test_the_program_runs_inside_python_as_it_does_outside(package, root, tmp_path):
     def run(*command):
-        # The same width for both: the readline library sets COLUMNS where Python's own table of variables does not show it.
+        # The same width for both: the readline library sets COLUMNS without updating Python's copy of the environment.
         environment = {**os.environ, "PYTHONPATH": str(package), "COLUMNS": "90"}
         done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=300)
         return done.returncode, done.stdout, done.stderr
@@ -201,7 +201,7 @@ def test_an_interrupt_is_heard_during_long_work(package, root, tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        # A job in the background is started with interrupts ignored, and Python leaves them so.
+        # A background job is started with interrupts ignored, and Python keeps it so.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert process.stdout.readline() == "begins\n"
@@ -308,7 +308,7 @@ def test_a_motion_may_be_a_table_and_has_a_band(module, root, tmp_path):
 
 
 def toml(path):
-    """What a TOML file holds."""
+    """Contents of a TOML file."""
     tomllib = pytest.importorskip("tomllib", reason="TOML files are read by Python from version 3.11 on")
     return tomllib.loads(path.read_text())
 
@@ -322,7 +322,7 @@ def test_a_rig_may_be_a_file_a_dictionary_keyword_arguments_or_a_file_with_other
     assert module.identify(rig).raw == from_file
     assert module.identify(**rig).raw == from_file
     assert module.identify("rig.toml", cylinder=rig["cylinder"], experiment=rig["experiment"]).raw == from_file
-    # Records in memory, and one value of a file replaced.
+    # Records in memory, and a file with one value replaced.
     (first, *others) = rig["experiment"]
     frames = first | {"traces": [pandas.read_csv(trace) for trace in first["traces"]]}
     in_memory = module.identify(rig, experiment=[frames, *others])
@@ -393,7 +393,7 @@ def test_what_is_wrong_with_a_content_is_said_with_its_key_and_no_line(module, r
 
 
 def test_traces_from_tables_and_files_are_the_rows_of_the_text_file(module, root, tmp_path):
-    """The example's record, as other programs hold it, gives the chamber the same course."""
+    """The example's record, as stored by other programs, gives the chamber the same course."""
     import pandas
     import polars
     import pyarrow
@@ -419,7 +419,7 @@ def test_traces_from_tables_and_files_are_the_rows_of_the_text_file(module, root
     assert module.write_trace(tmp_path / "nested.mat", tmp_path / "trace.csv", columns=matrix).read_text() == expected
     import h5py
 
-    with h5py.File(tmp_path / "v73.mat", "w") as file:  # As MATLAB lays out version 7.3: HDF5, a column as 1 x n.
+    with h5py.File(tmp_path / "v73.mat", "w") as file:  # MATLAB's layout of version 7.3: HDF5, a column as 1 x n.
         for name, values in arrays.items():
             file[f"record/{name}"] = values.reshape(1, -1)
     assert module.write_trace(tmp_path / "v73.mat", tmp_path / "trace.csv", columns=fields).read_text() == expected

@@ -1,4 +1,4 @@
-"""`diagnose` on recordings as benches make them, from a simulator that shares no code with the program."""
+"""`diagnose` on realistic recordings from a simulator that shares no code with the program."""
 
 import json
 

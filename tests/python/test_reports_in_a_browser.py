@@ -1,4 +1,4 @@
-"""Both HTML reports in a real browser: drawn, free of errors and requests, readable, whole on screen and on paper."""
+"""Both HTML reports in a real browser: rendered, without errors and requests, readable, complete on screen and on paper."""
 
 import io
 import re
@@ -15,7 +15,7 @@ if browser.program() is None:
 SCREEN, WIDE, PAPER = (1100, 800, "screen"), (1400, 900, "screen"), (680, 960, "print")
 PHONE = (390, 844, "screen")
 
-# Every text with its colour and the colour behind it, as sRGB bytes, with its size in px and whether it is bold.
+# Every text with its colour and background colour, as sRGB bytes, with its size in px and whether it is bold.
 TEXTS = """
 (() => {
   const found = [];
@@ -37,13 +37,13 @@ TEXTS = """
   return found;
 })()
 """
-# What does not fit its box or the page.
+# Elements that exceed their box or the page.
 CUT = """
 (() => [...document.querySelectorAll('body, body *:not(svg *)')]
     .filter((e) => e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== 'inline')
     .map((e) => `${e.tagName}.${e.className} ${e.scrollWidth} > ${e.clientWidth}: ${e.textContent.slice(0, 80)}`))()
 """
-# Texts of drawings that reach beyond their drawing.
+# Texts that extend beyond their drawing.
 OUTSIDE = """
 (() => [...document.querySelectorAll('svg')].flatMap((drawing) => {
   const box = drawing.getBoundingClientRect();
@@ -57,7 +57,7 @@ DRAWINGS = "[...document.querySelectorAll('svg')].map((e) => { const b = e.getBo
 DRAWINGS += " return {x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height,"
 DRAWINGS += " texts: [...e.querySelectorAll('text')].map((t) => t.textContent.trim())}; })"
 UNITS = r", (10⁻?[²³⁴⁵⁶⁷⁸⁹] ?)?(s|ms|mbar|bar|bar/s|Pa|Pa/s|Pa/√Hz|Hz|K|K/s|mm|m|m/s|%|W|mg/s|1|W/\(m² ?K\))?$"
-# What an axis may say that has no unit: names, ratios.
+# Axis texts without a unit: names, ratios.
 NO_UNIT = r"^(predicted τ / measured τ|experiment and actuator, .*|c(_i)? .*)$"
 
 
@@ -69,7 +69,7 @@ def tab(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["reproduce", "diagnose"])
 def report(request, pneutherm, root, tmp_path_factory):
-    """The report's file."""
+    """Path of the report."""
     folder = tmp_path_factory.mktemp(request.param)
     if request.param == "reproduce":
         pneutherm("reproduce", "-o", folder)
@@ -89,7 +89,7 @@ def shown(tab, report):
 
 
 def test_the_browser_notices_what_is_wrong(tab, tmp_path):
-    """So that silence below means something."""
+    """Ensures that silence in the tests below is meaningful."""
     page = tmp_path / "bad.html"
     page.write_text("<title>x</title><img src='absent.png'><script>console.error('one'); throw Error('two')</script>")
     tab.complaints.clear()
@@ -125,7 +125,7 @@ def luminance(colour):
 
 
 def contrast(one, other):
-    """WCAG 2.2, contrast ratio."""
+    """Contrast ratio of WCAG 2.2."""
     light, dark = sorted((luminance(one), luminance(other)), reverse=True)
     return (light + 0.05) / (dark + 0.05)
 
@@ -152,7 +152,7 @@ def test_nothing_is_cut_off(shown, view):
 def test_a_phone_shows_it_whole_and_large_enough_to_read(shown):
     shown.size(*PHONE)
     assert shown.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
-    # What is wider than the screen scrolls in its own frame.
+    # Content wider than the screen scrolls in its own frame.
     assert [e for e in shown.evaluate(CUT) if not e.startswith(("DIV.scroll", "DIV.wide"))] == []
     heights = shown.evaluate("[...document.querySelectorAll('svg text')].filter((t) => t.textContent.length > 3)"
                              ".map((t) => t.getBoundingClientRect())"
@@ -181,7 +181,7 @@ PAIRS = """
 
 
 def test_paper_has_two_charts_side_by_side(shown):
-    """One above the other, each would take a sheet of its own and leave half of it blank."""
+    """One above the other, each would take half of a separate sheet and leave the rest blank."""
     shown.size(*PAPER)
     assert all(shown.evaluate(PAIRS))
     texts = shown.evaluate("[...document.querySelectorAll('.charts svg text')].filter((t) => t.textContent.length > 3)"

@@ -1,4 +1,4 @@
-"""`pneutherm reproduce`: the paper's numbers, and files that other tools read."""
+"""`pneutherm reproduce`: the paper's numbers, and files readable by other tools."""
 
 import csv
 import json
@@ -11,7 +11,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def results(pneutherm, tmp_path_factory):
-    """The folder that the command filled."""
+    """The folder filled by the command."""
     folder = tmp_path_factory.mktemp("results")
     pneutherm("reproduce", "-o", folder)
     return folder
@@ -98,7 +98,7 @@ def test_every_form_of_the_loop_is_listed_with_its_errors(results):
 
 
 def curves(path, stays="bore_m"):
-    """λ0 over V/A for each bore (or whatever stays) and pressure."""
+    """λ0 over V/A for each bore (or the quantity `stays`) and pressure."""
     found = {}
     for row in parquet.read_table(path).to_pylist():
         curve = found.setdefault((row[stays], row["initial_pressure_pa"]), [])
@@ -114,7 +114,7 @@ def test_the_study_shows_the_paper_s_trend_and_its_sibling_is_flat(results):
         values = [coefficient for _, coefficient in curve]
         assert all(a > b for a, b in zip(values, values[1:]))
         other = next(c for (b, p), c in studied.items() if b == bore and p != pressure)
-        # At 100 rows a second a shorter time constant has fewer rows: the fit's bias differs by that much.
+        # At 100 rows per second a shorter time constant has fewer rows: the fit's bias differs by that amount.
         assert values == pytest.approx([coefficient for _, coefficient in other], rel=5e-3)
     everything = [coefficient for curve in flat.values() for _, coefficient in curve]
     assert max(everything) / min(everything) - 1 < 0.02

@@ -1,4 +1,4 @@
-"""The published results: `reproduce` writes what is committed, and the page of results says where each file comes from."""
+"""The published results: `reproduce` writes the committed files, and the page of results states the origin of each file."""
 
 import re
 import subprocess
@@ -7,20 +7,20 @@ import pyarrow.parquet as parquet
 import pytest
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-# Another processor rounds the last digits differently.
+# Other processors round the last digits differently.
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
 
 
 @pytest.fixture(scope="module")
 def reproduced(pneutherm, tmp_path_factory):
-    """The folder that `pneutherm reproduce` fills."""
+    """The folder filled by `pneutherm reproduce`."""
     folder = tmp_path_factory.mktemp("reproduced")
     pneutherm("reproduce", "-o", folder)
     return folder
 
 
 def difference(ours, committed):
-    """Where two texts differ by more than the rounding of their numbers; None where they agree."""
+    """Where two texts differ by more than the rounding of their numbers; None if they agree."""
     if ours == committed:
         return None
     words = [NUMBER.split(text) for text in (ours, committed)]
@@ -37,7 +37,7 @@ def difference(ours, committed):
 
 
 def last_place(number):
-    """One unit of the last digit of a number that was rounded for people: it may fall to either side."""
+    """One unit in the last digit of a number rounded for people: rounding may go either way."""
     mantissa, _, exponent = number.lower().partition("e")
     whole, _, decimals = mantissa.lstrip("+-").partition(".")
     if len((whole + decimals).lstrip("0")) > 6:

@@ -1,4 +1,4 @@
-"""`pneutherm simulate` against an independent implementation of every effect, integrated by scipy."""
+"""`pneutherm simulate` compared with an independent implementation of every effect, integrated by scipy."""
 
 import csv
 
@@ -138,12 +138,12 @@ def test_the_noise_of_recorded_positions_neither_warms_nor_cools_a_gas(pneutherm
 
     planned = simulated(chamber, pneutherm, tmp_path, times, stroke)["pressure_pa"]
     assert error() < 1.5e-4
-    # As they are, the positions are speeds of some mm/s, and 1.4 times their relative noise is in the pressure.
+    # Used as they are, the positions imply speeds of some mm/s, and 1.4 times their relative noise appears in the pressure.
     assert error("--raw-positions") > 5e-4
 
 
 def simulated(chamber, pneutherm, tmp_path, times, positions, flows=None, options=()):
-    """The columns that the program writes for a chamber that begins at 1.5 bar."""
+    """The program's output columns for a chamber that starts at 1.5 bar."""
     flows = np.zeros_like(times) if flows is None else flows
     write_model(tmp_path / "model.toml", chamber)
     with open(tmp_path / "motion.csv", "w", newline="") as file:
@@ -173,18 +173,18 @@ def columns(path):
 
 
 def test_a_predictive_band_covers_left_out_records_at_its_level(tmp_path, pneutherm):
-    """Rigs of another simulator, each identified and then asked for a motion that it has not seen."""
+    """Rigs from another simulator, each identified and then simulated along an unseen motion."""
     inside, rows = {0.95: 0, 0.5: 0}, 0
     for number in range(6):
         folder = tmp_path / str(number)
         rigs.write(folder, number, "none")
         rig = rigs.rig(number, "none")
         rig["generator"] = np.random.default_rng(number)
-        rig["logger"]["position"] = 0.0  # The band takes the motion as it is given.
+        rig["logger"]["position"] = 0.0  # The band uses the motion as given.
         _, (far, near), _, hold = rig["tests"]["compress-3bar"]
         moves = [(0.3, 0.4, far, near, "cosine"), (1.5, 0.3, near, (far + near) / 2, "quintic")]
         rigs.save(folder / "left_out.csv", rigs.trace(rig, moves, 2.5e5, 1.8 + hold))
-        # What these rigs state is exact; with tolerances the band would be that of all rigs that could be meant.
+        # The statements of these rigs are exact; with tolerances the band would cover all rigs consistent with them.
         exact = "[tolerance]\nbore_m = 1e-9\nposition_scale = 1e-9\nposition_offset_m = 1e-9\nambient_temperature_k = 1e-3\nheat_capacity_ratio = 1e-9\n"
         (folder / "rig.toml").write_text(exact + (folder / "rig.toml").read_text())
         pneutherm("identify", folder, "-o", folder / "model.toml")

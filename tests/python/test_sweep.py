@@ -1,5 +1,5 @@
-"""`pneutherm sweep`: its rows against an independent integration, its files as other tools open them, and that neither
-shards nor threads nor kills make a difference."""
+"""`pneutherm sweep`: its rows compared with an independent integration, its files in other tools, and their independence of
+shards, threads and kills."""
 
 import json
 import os
@@ -150,7 +150,7 @@ def test_readers_skip_row_groups_by_their_statistics(tmp_path, pneutherm):
 
 
 def test_the_status_of_a_row_group_is_in_its_statistics(swept):
-    """A reader that looks for failed rows skips the groups that have none."""
+    """A reader that searches for failed rows skips groups without any."""
     for part in sorted((swept / "rows").iterdir()):
         file = pq.ParquetFile(part)
         for k in range(file.num_row_groups):
@@ -171,7 +171,7 @@ def test_readers_find_a_damaged_page_by_its_checksum(swept, tmp_path):
     for group in range(metadata.num_row_groups):
         for i in range(metadata.num_columns):
             column = metadata.row_group(group).column(i)
-            # The last byte of the chunk is the last of a page's data.
+            # The last byte of the chunk is the last one of a page's data.
             begin = column.dictionary_page_offset if column.has_dictionary_page else column.data_page_offset
             place = begin + column.total_compressed_size - 1
             damaged = bytearray(bytes_of)
@@ -203,7 +203,7 @@ def test_damage_at_random_in_two_hundred_parts_is_found_by_verify_and_mended_by_
     assert table(out).equals(before)
 
 
-# Random studies: each with its area law, what is always on, and what varies.
+# Random studies: each with its design, area law and varied quantities.
 STUDIES = {
     "the paper's model": ("sobol", "total", "dead_volume_m3 = { from = 0.0, to = 5e-6 }\nheat_capacity_ratio = { from = 1.2, to = 1.6 }"),
     "swept area, an expansion": ("latin-hypercube", "swept", "final_stroke_m = { from = 0.12, to = 0.3 }\npush_time_s = { from = 0.02, to = 2.0 }"),
@@ -263,7 +263,7 @@ def test_random_rows_agree_with_an_independent_integration(name, tmp_path, pneut
 
 
 def integrated(row, law):
-    """The row's results by scipy's DOP853 at rtol 1e-11."""
+    """The row's results from scipy's DOP853 at rtol 1e-11."""
     effects = {}
     for key, value in row.items():
         *_, group, parameter = ["", "", *key.split(".")]
@@ -297,7 +297,7 @@ def integrated(row, law):
     sign = 1 if end < begin else -1
 
     def extreme(quantity):
-        """The largest (for an expansion the smallest) value of the hold, between the integrator's steps too."""
+        """The maximum (for an expansion the minimum) during the hold, also between the integrator's steps."""
         values = [sign * quantity(held.sol(t)) for t in held.t]
         k = int(np.argmax(values))
         if 0 < k < len(values) - 1:
@@ -319,7 +319,7 @@ def integrated(row, law):
 
 
 def lasting(folder, pneutherm, seconds):
-    """A study whose run takes about that long."""
+    """A study whose run takes about that many seconds."""
     study = lambda samples: write(folder, f'design = "latin-hypercube"\nseed = 2\nparts = 16\nsamples = {samples}', COMMON)
     told = pneutherm("sweep", study(20_000), "-o", folder / "never", "--dry-run").stdout
     assert not (folder / "never").exists(), "a dry run writes nothing"
@@ -352,7 +352,7 @@ def test_three_kills_and_a_resume_give_the_same_rows_bit_for_bit(tmp_path, pneut
 
 
 def saltelli(folder, pneutherm, keys=""):
-    """A Saltelli study of 512 samples: the names of its quantities, its rows, its indices, the problem as SALib takes it."""
+    """A Saltelli study of 512 samples: the names of its quantities, its rows, its indices, and the problem in SALib's form."""
     ranges = {"bore_m": (0.016, 0.063), "initial_pressure_pa": (1e5, 7e5), "push_time_s": (0.02, 0.4)}
     vary = "\n".join(f"{name} = {{ from = {low}, to = {high} }}" for name, (low, high) in ranges.items())
     study = write(folder, f'design = "saltelli"\nsamples = 512\nfit = false\n{keys}', vary)
@@ -387,7 +387,7 @@ def test_indices_of_second_order_are_salib_s_and_intervals_those_of_its_scatter_
     for output in ["pressure_peak_pa", "temperature_peak_k"]:
         values = rows[output].to_numpy()
         theirs = analyze(values)
-        # Block k is of replicate k mod 16: the jackknife leaves out one of the sixteen at a time.
+        # Block k belongs to replicate k mod 16: the jackknife leaves out one of the sixteen at a time.
         replicate = np.arange(len(values)) // 8 % 16
         without = [analyze(values[replicate != number]) for number in range(16)]
 
@@ -397,7 +397,7 @@ def test_indices_of_second_order_are_salib_s_and_intervals_those_of_its_scatter_
 
         def check(index, pick):
             assert index["value"] == pytest.approx(pick(theirs), abs=1e-9)
-            # SALib counts values from the mean of those that are left.
+            # SALib centres values on the mean of those left.
             assert index["ci95"] == pytest.approx(half_width(pick), rel=0.02, abs=1e-9)
 
         pairs = {tuple(entry["quantities"]): entry for entry in ours[output]["second_order"]}
@@ -477,12 +477,12 @@ def test_a_dask_cluster_finishes_a_study_though_a_worker_is_killed(tmp_path, pne
 
 
 def on_path():
-    """An environment whose PATH has the program under test first."""
+    """An environment whose PATH starts with the program under test."""
     return os.environ | {"PATH": f"{PROGRAM.resolve().parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 def children(name):
-    """Processes of this machine that run the program about a file of that name."""
+    """Processes of this machine that run the program on a file of that name."""
     listed = subprocess.run(["ps", "-ww", "-eo", "args"], capture_output=True, text=True, check=True).stdout
     return [line for line in listed.splitlines() if "dask_sweep" not in line and str(name) in line]
 
@@ -603,7 +603,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path, pneutherm):
 
 @pytest.mark.alone
 def test_the_estimate_is_right_where_one_end_of_an_axis_is_slow(tmp_path, pneutherm):
-    # Sealed rows take a hundredth of the time of leaky ones, and all of the leaky ones come last.
+    # Sealed rows take a hundredth of the time of leaky ones, and all leaky rows come last.
     leaks = ", ".join(["0.0"] * 19 + ["1e-12"])
     vary = f'"effect.leakage.conductance_m3_per_s_pa" = {{ values = [{leaks}] }}\nbore_m = {{ from = 0.016, to = 0.063, count = 15000 }}'
     study = write(tmp_path, 'design = "factorial"\nfit = false', vary)
@@ -649,7 +649,8 @@ def test_both_ways_of_varying_volume_over_area_have_an_axis(tmp_path, pneutherm)
     by_bore, by_length = trends["volume_to_area_m"], trends["volume_to_area_by_length_m"]
     assert np.all(np.diff(by_bore["bore_m"]) > 0) and "final_stroke_m" not in by_bore
     assert np.all(np.diff(by_length["final_stroke_m"]) > 0) and "bore_m" not in by_length
-    # design.md, finding 8: along a bore the coefficient falls as in table 5; at a length it rises.
+    # design.md, finding 8: with the length varied at a bore the coefficient falls as in table 5; with the bore varied at a
+    # length it rises.
     assert np.all(np.diff(by_length["lambda0_w_per_m2_k"]) < 0)
     assert np.all(np.diff(by_bore["lambda0_w_per_m2_k"]) > 0)
 
@@ -679,7 +680,7 @@ def test_statistics_without_rows_are_numpys(tmp_path, pneutherm):
             exact = np.quantile(finite, quantile["probability"])
             assert abs(quantile["value"] - exact) <= quantile["error_bound"] + 1e-14 * abs(exact), (name, quantile, exact)
             assert quantile["error_bound"] == 0 or len(np.unique(finite)) > 4096, (name, quantile)
-    # The same on the rows that are there already, in shards, and once more: nothing is solved again.
+    # The same for existing rows, in shards, and repeated: nothing is solved again.
     assert "0 rows in" in pneutherm("sweep", study, "-o", tmp_path / "rows").stdout
     for index in (1, 2, 0):
         pneutherm("sweep", study, "-o", tmp_path / "shards", "--no-rows", "--shard", f"{index}/3")
@@ -733,7 +734,7 @@ final_stroke_m = {{ distribution = "empirical", values = {measured} }}"""
     }
     shares = []
     for name, ppf in expected.items():
-        # Of 8192 scrambled points each 8192th of the probability has one: every value is known within its slice.
+        # Of 8192 scrambled points, one lies in each 8192th of the probability: every value is known to within its slice.
         values = np.sort(rows[name])
         slices = ppf(np.arange(8193) / 8192)
         span = np.ptp(values)
@@ -759,12 +760,13 @@ def test_the_pareto_front_is_the_rows_that_no_other_betters(tmp_path, pneutherm)
     for point in found["points"]:
         row = rows.loc[point["row"]]
         assert all(row[name] == value for name, value in (point["values"] | point["at"]).items())
-    # The same without rows, which are merged from the parts.
+    # The same without rows, merged from the parts.
     pneutherm("sweep", study, "-o", tmp_path / "summary", "--no-rows")
     assert json.loads((tmp_path / "summary" / "statistics.json").read_text())["pareto"] == found
 
 
-# Knots of a curve of the reading, and what is added there, Pa: one that leaves relaxations, and one that folds the record.
+# Knots of a curve of the reading, and the pressure added there, Pa: one that preserves relaxations, and one that folds the
+# record.
 CURVES = {
     "bent": ([1e5, 2.0e5, 2.2e5, 3.5e5, 4.0e5], [1e3, 3e3, 4e3, 5e3, 7e3]),
     "folded": ([1e5, 2.0e5, 2.2e5, 3.5e5, 4.0e5], [1e3, 9e3, -2e4, 5e3, -6e4]),

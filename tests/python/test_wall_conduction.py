@@ -1,6 +1,6 @@
 """The sum of modes that `wall_conduction` integrates, against exact solutions of the semi-infinite wall.
 
-That the program integrates these modes is held in test_simulate.py; here is how well they stand for the wall.
+That the program integrates these modes is tested in test_simulate.py; here, how well they represent the wall.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ def test_a_wall_beside_gas_of_constant_temperature_warms_as_the_error_function_s
     """Carslaw and Jaeger (1959), section 2.7: surface over gas = 1 - exp(x^2) erfc(x), x = lambda sqrt(t)/e."""
     rates, weights = reference.MODE_RATES, reference.MODE_WEIGHTS
     for conductance in [10.0, 100.0, 1000.0]:
-        # dx/dt = (c/e) lambda (1 - sum x) - mu x, the one appended as a constant state.
+        # dx/dt = (c/e) lambda (1 - sum x) - mu x, with the 1 appended as a constant state.
         drive = INVERSE * conductance * weights
         system = np.zeros((len(rates) + 1, len(rates) + 1))
         system[:-1, :-1] = -np.diag(rates) - np.outer(drive, np.ones(len(rates)))
@@ -29,7 +29,7 @@ def test_a_wall_beside_gas_of_constant_temperature_warms_as_the_error_function_s
 
 
 def exact_pressures(chamber, inverse, times, positions, pressure, dt):
-    """The sealed chamber with the wall's surface by the convolution itself: flux linear over steps of `dt`, integrated
+    """The sealed chamber with the wall's surface from the convolution itself: flux linear over steps of `dt`, integrated
     exactly against 1/sqrt(pi t), and the gas by the trapezoidal rule in T V^(gamma - 1)."""
     steps = round(times[-1] / dt)
     t = np.arange(steps + 1) * dt
@@ -44,7 +44,7 @@ def exact_pressures(chamber, inverse, times, positions, pressure, dt):
     temperature, flux = np.full(steps + 1, ambient), np.zeros(steps + 1)
     invariant = ambient * stiffened[0]
     for n in range(1, steps + 1):
-        # The flux is zero at the start, so the oldest half hat does not count.
+        # The flux is zero at the start, so the oldest half hat is omitted.
         memory = hats[1:n] @ flux[n - 1 : 0 : -1]
         flux[n], temperature[n] = flux[n - 1], temperature[n - 1]
         for _ in range(6):
@@ -70,7 +70,7 @@ def test_the_pressure_is_that_of_a_wall_that_heat_diffuses_into(pneutherm, tmp_p
     by_wall = np.abs(without - exact).max()
     assert np.abs(coarse - exact).max() < 2e-4 * by_wall, "the reference is good enough"
     assert by_wall > 1500.0
-    # Of a push of 50 ms the modes miss a little; 0.2 s later nothing is left to see.
+    # The modes miss a little of a push of 50 ms; 0.2 s later the error is negligible.
     error = np.abs(ours - exact)
     assert error.max() < 0.015 * by_wall, (error.max(), by_wall)
     assert error[(times > 0.35) & (times < 0.9)].max() < 0.003 * by_wall

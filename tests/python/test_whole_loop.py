@@ -1,4 +1,4 @@
-"""From measured traces with an undeclared effect to an FMU that another tool runs: what is left is the sensor's noise."""
+"""From measured traces with an undeclared effect to an FMU running in another tool: what remains is the sensor's noise."""
 
 import csv
 import json
@@ -31,7 +31,7 @@ UNDECLARED = {
 
 
 def record(chamber, pressure, stroke, generator):
-    """Rows of a trace as a logger would write them."""
+    """Rows of a trace as written by a logger."""
     times, positions = np.array(stroke, float).T
     rows = np.arange(0, times[-1] + 1e-9, 1 / RATE_HZ)
     truth = reference.simulate(chamber, times, positions, pressure, rows=rows)
@@ -62,7 +62,7 @@ def write_rig(folder, chamber, generator):
 
 
 def run_fmu(path, rows, position, pressure):
-    """`measuredPressure` at each row, with the position and its difference quotient as a host would feed them."""
+    """`measuredPressure` at each row, with the position and its difference quotient as inputs, as a host would set them."""
     description = fmpy.read_model_description(path)
     references = {v.name: v.valueReference for v in description.modelVariables}
     slave = FMU2Slave(

@@ -1,5 +1,5 @@
-//! diffsol, its explicit pair of Tsitouras, on systems of several scenarios side by side with common steps: one alone
-//! would spend its time on the book-keeping of vectors of one number.
+//! diffsol with its explicit Tsitouras pair, on systems of several scenarios side by side with common steps: a single one would
+//! spend its time on overhead for vectors of one number.
 
 use crate::Solve;
 use crate::equations::{Equations, Flows, GasColumn, NaturalConvection, Sealed, WallHeating};
@@ -12,17 +12,17 @@ use diffsol::{
 use rayon::prelude::*;
 use std::cell::RefCell;
 
-/// Scenarios that a thread takes at a time.
+/// Scenarios per thread and piece.
 const PIECE: usize = 1 << 13;
 
-/// The scenarios of a system, and whether their pistons rest; time runs from 0 to 1 through push and hold.
+/// The scenarios of a system, and whether their pistons are held; time runs from 0 to 1 through push and hold.
 struct Now<E> {
     equations: Vec<E>,
     lengths: Vec<f64>,
     held: bool,
 }
 
-/// With `width` scenarios side by side, and `equations` by the name of their study.
+/// Solver with `width` scenarios side by side, and `equations` by the name of their study.
 pub fn solver(options: &Options) -> Solve {
     let (tolerance, width) = (options.tolerance(), options.number("width", 1.0) as usize);
     let solve = match options.word("equations").unwrap_or("sealed") {
@@ -36,7 +36,7 @@ pub fn solver(options: &Options) -> Solve {
     Box::new(move |cases, answers| solve(tolerance, width, cases, answers))
 }
 
-/// All threads take pieces of the scenarios from the pool; in a piece those alike in stiffness go together. State `k` of
+/// All threads take pieces of the scenarios from the pool; within a piece those of similar stiffness are grouped. State `k` of
 /// scenario `i` is number `k width + i` of the system.
 fn solve<const N: usize, E: Equations<N>>(tolerance: f64, width: usize, cases: &[Case], answers: &mut [Answer]) {
     cases.par_chunks(PIECE).zip(answers.par_chunks_mut(PIECE)).for_each(|(cases, answers)| {
@@ -84,8 +84,8 @@ fn solve<const N: usize, E: Equations<N>>(tolerance: f64, width: usize, cases: &
     });
 }
 
-/// Goes on from some states to time 1. The first step is one that a fifth-order pair accepts: the states
-/// change by the fifth root of the tolerance or so.
+/// Integrates from some states to time 1. The first step is one that a fifth-order pair accepts: the states change by about the
+/// fifth root of the tolerance.
 fn end<'a, E>(
     solver: &mut impl OdeSolverMethod<'a, E>,
     problem: &OdeSolverProblem<E>,

@@ -1,4 +1,4 @@
-//! `differential-equations`, its DOP853, on `WIDTH` scenarios side by side as one system, with nothing kept of the course.
+//! `differential-equations` with DOP853, on `WIDTH` scenarios side by side as one system, without storing the trajectory.
 
 use crate::Solve;
 use crate::equations::{Equations, Sealed};
@@ -9,7 +9,7 @@ use differential_equations::prelude::*;
 use differential_equations::solution::Solution;
 use rayon::prelude::*;
 
-/// Scenarios that a thread takes at a time.
+/// Scenarios per thread and piece.
 const PIECE: usize = 1 << 13;
 
 /// Time runs from 0 to 1 through the push.
@@ -37,7 +37,7 @@ impl<const WIDTH: usize> ODE<f64, [f64; WIDTH]> for Held<'_, WIDTH> {
     }
 }
 
-/// Keeps the state that a step ends with, instead of a list of all.
+/// Keeps only the state at the end of a step instead of a list of all.
 struct Last<const WIDTH: usize>([f64; WIDTH]);
 
 impl<const WIDTH: usize> Solout<f64, [f64; WIDTH]> for Last<WIDTH> {
@@ -61,7 +61,7 @@ fn end<const WIDTH: usize, F: ODE<f64, [f64; WIDTH]>>(tolerance: f64, ode: &F, s
     solve_ode(&mut method, ode, 0.0, 1.0, start, &mut last).map_or([f64::NAN; WIDTH], |_| last.0)
 }
 
-/// With `width` scenarios side by side.
+/// Solver with `width` scenarios side by side.
 pub fn solver(options: &Options) -> Solve {
     let tolerance = options.tolerance();
     let solve = match options.number("width", 1.0) as usize {
@@ -74,7 +74,7 @@ pub fn solver(options: &Options) -> Solve {
     Box::new(move |cases, answers| solve(tolerance, cases, answers))
 }
 
-/// All threads take pieces of the scenarios from the pool; in a piece those alike in stiffness go together.
+/// All threads take pieces of the scenarios from the pool; within a piece those of similar stiffness are grouped.
 fn solve<const WIDTH: usize>(tolerance: f64, cases: &[Case], answers: &mut [Answer]) {
     cases.par_chunks(PIECE).zip(answers.par_chunks_mut(PIECE)).for_each(|(cases, answers)| {
         let mut sealed: Vec<(usize, Sealed)> = cases.iter().map(<Sealed as Equations<1>>::new).enumerate().collect();

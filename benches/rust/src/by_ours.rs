@@ -1,4 +1,4 @@
-//! pneutherm's batch kernel, called as `sweep` calls it: one piece of the rows after the other for each thread.
+//! pneutherm's batch kernel, called as by `sweep`: each thread solves one piece of the rows after the other.
 
 use crate::Solve;
 use crate::options;
@@ -8,10 +8,10 @@ use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use ensemble::{Failure, Options, Outcome, Scenario, Solver};
 use rayon::prelude::*;
 
-/// Rows that one thread takes at a time, as in `sweep`.
+/// Rows per thread and piece, as in `sweep`.
 const PIECE: usize = 1 << 13;
 
-/// The kernel for these scenarios; they are turned into the kernel's own before the clock starts, as for the others.
+/// The kernel for these scenarios, which are converted to its own type before the clock starts, as for the others.
 pub fn solver(cases: &[Case], asked: &options::Options) -> Solve {
     let scenarios: Vec<Scenario> = cases.iter().map(scenario).collect();
     let solver = if asked.is("auto") { Solver::Auto } else { Solver::Adaptive };

@@ -1,7 +1,7 @@
 //! The chamber's equations with the coefficients of one scenario, for the peers: sealed, and with one effect each.
 //!
-//! T  K  gas temperature; V  m³  volume; P = m R T/V. Each kind of rows is a type of its own, so that no peer computes
-//! what its rows do not have.
+//! T  K  gas temperature; V  m³  volume; P = m R T/V. Each kind of row has its own type, so that no peer computes anything
+//! unnecessary.
 
 use crate::scenario::{AMBIENT_PRESSURE_PA, AMBIENT_TEMPERATURE_K, Case};
 use std::f64::consts::PI;
@@ -14,11 +14,11 @@ const REFERENCE_TEMPERATURE_K: f64 = 293.0;
 
 /// Equations in N states of one scenario.
 pub trait Equations<const N: usize>: Copy {
-    /// States that the push begins with.
+    /// States at the start of the push.
     const START: [f64; N];
     /// The coefficients of a scenario.
     fn new(case: &Case) -> Self;
-    /// By which rows are sorted: those alike share steps.
+    /// Sort key of rows: similar ones share steps.
     fn stiffness(&self) -> f64;
     /// Rates of the states, 1/s, a time `t`, s, into the push.
     fn pushed(&self, t: f64, states: [f64; N]) -> [f64; N];
@@ -43,7 +43,7 @@ pub struct Sealed {
 }
 
 impl Sealed {
-    /// Volume and what heat is exchanged by, c (a1 V + a0)/√V, a time `t`, s, into the push.
+    /// Volume and exchange coefficient c (a1 V + a0)/√V, a time `t`, s, into the push.
     #[inline(always)]
     fn at(&self, t: f64) -> (f64, f64) {
         let volume = self.volume + self.volume_rate * t;
@@ -94,7 +94,7 @@ impl Equations<1> for Sealed {
     }
 }
 
-/// The exchange times (V/(A l))^a.
+/// The exchange coefficient times (V/(A l))^a.
 #[derive(Clone, Copy)]
 pub struct GasColumn {
     sealed: Sealed,
@@ -135,7 +135,7 @@ impl Equations<1> for GasColumn {
     }
 }
 
-/// The exchange times (|T − Tw|/20 K)^n.
+/// The exchange coefficient times (|T − Tw|/20 K)^n.
 #[derive(Clone, Copy)]
 pub struct NaturalConvection {
     sealed: Sealed,
@@ -177,7 +177,7 @@ impl Equations<1> for NaturalConvection {
     }
 }
 
-/// The wall's temperature W beside T: dW/dt = (m cv/Cw) (heat that cools the gas) − (G/Cw) (W − Tamb).
+/// The wall's temperature W as a further state: dW/dt = (m cv/Cw) (heat that cools the gas) − (G/Cw) (W − Tamb).
 #[derive(Clone, Copy)]
 pub struct WallHeating {
     sealed: Sealed,
@@ -244,7 +244,7 @@ fn leak_factor(ratio: f64) -> f64 {
     }
 }
 
-/// The mass M = m/m0 beside T, with a leak after ISO 6358 and a constant inflow at ambient temperature.
+/// The mass M = m/m0 as a further state, with a leak after ISO 6358 and a constant inflow at ambient temperature.
 #[derive(Clone, Copy)]
 pub struct Flows {
     sealed: Sealed,

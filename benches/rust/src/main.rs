@@ -1,8 +1,8 @@
-//! Contenders in Rust on the benchmark's scenarios: `contenders NAME SCENARIOS.f64 [KEY=VALUE]...`
+//! Rust contenders on the benchmark's scenarios: `contenders NAME SCENARIOS.f64 [KEY=VALUE]...`
 //!
-//! Speaks the protocol of `../contenders/contender.py`: prints `ready`, then for each line `go ROWS` on standard input
-//! solves the first ROWS scenarios on all threads, `passes` times over, and prints the seconds of one pass; `save FILE`
-//! writes peak and final pressure, Pa, as 64-bit floats, two for each scenario.
+//! Uses the protocol of `../contenders/contender.py`: prints `ready`, then for each line `go ROWS` on standard input solves the
+//! first ROWS scenarios on all threads, `passes` times, and prints the seconds per pass; `save FILE` writes peak and final
+//! pressure, Pa, as 64-bit floats, two per scenario.
 
 #[cfg(feature = "peers")]
 mod by_diffsol;
@@ -19,7 +19,7 @@ use scenario::{Answer, Case};
 use std::io::{BufRead, Write};
 use std::time::Instant;
 
-/// Solves the scenarios into the answers, with all threads of the pool.
+/// Solves the scenarios into the answers, on all threads of the pool.
 type Solve = Box<dyn Fn(&[Case], &mut [Answer])>;
 
 fn main() {
@@ -40,7 +40,7 @@ fn main() {
     serve(&cases, &solve, options.number("passes", 1.0) as usize);
 }
 
-/// Answers the lines of standard input until it ends.
+/// Responds to lines on standard input until its end.
 fn serve(cases: &[Case], solve: &Solve, passes: usize) {
     let mut answers = vec![Answer::default(); cases.len()];
     let mut solved = 0;

@@ -1,10 +1,10 @@
-//! The command line: a contender's name, the scenarios, and what varies about the contender.
+//! The command line: a contender's name, the scenarios, and the contender's options.
 
 use std::collections::HashMap;
 
-/// What a contender was asked for.
+/// Options of a contender.
 pub struct Options {
-    /// Name of the contender that is run.
+    /// Name of the contender.
     pub name: String,
     /// File of the scenarios.
     pub scenarios: String,
@@ -25,14 +25,14 @@ impl Options {
         Self { name, scenarios, values: pairs.collect() }
     }
 
-    /// A number, or what it is when not given.
+    /// A numeric option, or its default.
     pub fn number(&self, key: &str, default: f64) -> f64 {
         self.values
             .get(key)
             .map_or(default, |v| v.parse().unwrap_or_else(|_| panic!("{key}={v}: a number was expected")))
     }
 
-    /// A word, or none when not given.
+    /// A text option, if given.
     #[cfg(feature = "peers")]
     pub fn word(&self, key: &str) -> Option<&str> {
         self.values.get(key).map(String::as_str)

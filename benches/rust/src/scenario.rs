@@ -1,10 +1,10 @@
-//! A scenario as the driver writes it.
+//! A scenario as written by the driver.
 
 use std::path::Path;
 
-/// Of the surroundings, in `../model.toml`.
+/// Temperature of the surroundings, as in `../model.toml`.
 pub const AMBIENT_TEMPERATURE_K: f64 = 293.0;
-/// Of the surroundings, in `../model.toml`.
+/// Pressure of the surroundings, as in `../model.toml`.
 #[cfg(feature = "peers")]
 pub const AMBIENT_PRESSURE_PA: f64 = 101_325.0;
 
@@ -24,13 +24,13 @@ pub struct Case {
     pub effects: [f64; EFFECTS.len()],
 }
 
-/// Effects and which of their parameters a scenario gives.
+/// Effects and the indices of the parameters that a scenario sets.
 pub const EFFECTS: [(&str, usize); 5] =
     [("leakage", 0), ("natural_convection", 0), ("wall_heating", 0), ("wall_heating", 1), ("gas_column_length", 0)];
-/// Numbers of a scenario.
+/// Numbers per scenario.
 const COLUMNS: usize = 9 + EFFECTS.len();
 
-/// What the contenders are compared by.
+/// Results by which the contenders are compared.
 #[derive(Clone, Copy, Default)]
 pub struct Answer {
     pub peak_pa: f64,

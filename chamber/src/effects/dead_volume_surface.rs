@@ -1,13 +1,13 @@
-//! Dead volume surface: the wall of the dead volume is not that of a cylinder of the bore.
+//! Dead volume surface: the wall area of the dead volume differs from that of a cylinder of the bore.
 //!
-//! Aq = (area law's) + ΔA, never below zero; ΔA in m², positive for ports, grooves, a bottle or a fitting with more wall
-//! than equation (27) gives to their volume. Source: a gas spring whose dead volume is a bottle (design finding 5).
+//! Aq = (area law's) + ΔA, never below zero; ΔA in m², positive where ports, grooves, a bottle or a fitting have more wall than
+//! equation (27) gives their volume. Source: a gas spring whose dead volume is a bottle (design finding 5).
 
 use super::Effect;
 use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
 use crate::real::Real;
 
-/// A constant area beside the area law's.
+/// A constant added to the area law's area.
 pub struct DeadVolumeSurface;
 
 impl Effect for DeadVolumeSurface {

@@ -1,17 +1,17 @@
-//! Decaying turbulence: the moving piston stirs the gas, and the turbulence lives on for a while after a move.
+//! Decaying turbulence: the moving piston stirs the gas, and the turbulence outlasts the move.
 //!
 //! Factor 1 + k u with τ du/dt = |ẋ| − u, u(0) = 0.
-//! u  m/s, the steady piston speed that would keep the turbulence up; k  s/m; τ  s. [`forced_convection`](super::forced_convection)
-//! has no memory. Source: zero-dimensional turbulence of engine cylinders, production by the piston less decay at a rate of its own,
-//! Borgnakke, Arpaci and Tabaczynski, A Model for the Instantaneous Heat Transfer and Turbulence in a Spark Ignition Engine, SAE
-//! 800287 (1980); both linear here.
+//! u  m/s, the steady piston speed that would sustain the turbulence; k  s/m; τ  s.
+//! [`forced_convection`](super::forced_convection) has no memory. Source: zero-dimensional turbulence of engine cylinders,
+//! produced by the piston and decaying at its own rate, Borgnakke, Arpaci and Tabaczynski, A Model for the Instantaneous Heat
+//! Transfer and Turbulence in a Spark Ignition Engine, SAE 800287 (1980); both linear here.
 
 use super::Effect;
 use crate::card::{Balance, Card, OwnState, Parameter, Tried, Unit};
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
-/// λ raised by turbulence that decays.
+/// λ raised by decaying turbulence.
 pub struct DecayingTurbulence;
 
 impl Effect for DecayingTurbulence {
@@ -82,7 +82,7 @@ mod tests {
 
     const AMBIENT_K: f64 = 293.0;
 
-    /// Pressures, Pa, and temperatures, K, at these times along straight pieces of (s, m).
+    /// Pressures, Pa, and temperatures, K, at these times, s, along a piecewise linear motion through (s, m).
     fn along(chamber: &Chamber, start: Start, motion: &[(f64, f64)], times: &[f64]) -> Vec<[f64; 2]> {
         let signals = Signals::closed(motion, AMBIENT_K, 1.013e5);
         let samples = simulate(chamber, chamber.active(), start, &signals, times, 1e-11).unwrap();
@@ -100,7 +100,7 @@ mod tests {
         let start = Start { pressure: 2e5, temperature: AMBIENT_K };
         let times = held_s.map(|t| push_s + t);
         let found = along(&stirred, start, &[(0.0, 0.1), (push_s, end_m), (5.0, end_m)], &times);
-        // dT/dt = (1 + k u) f(T), u that at the push's end times exp(-t/tau).
+        // dT/dt = (1 + k u) f(T), with u(t) = u(end of push) exp(-t/tau).
         let at_end = speed * -(-push_s / decay_s).exp_m1();
         let clock = held_s.map(|t| t - coefficient * at_end * decay_s * (-t / decay_s).exp_m1());
         let [pressure, temperature] = found[0];

@@ -1,34 +1,34 @@
-//! What an effect can do: its hooks into the balance, the wall, the stroke and the reading.
+//! Interface of an effect: its hooks into the balance, the wall, the stroke and the reading.
 
 use crate::card::Card;
 use crate::gas::Gas;
 use crate::parts::{Conditions, Course, Flows, Rates};
 use crate::real::Real;
 
-/// One physical effect. `p` are its parameters in the card's order, `own` its own states.
+/// One physical effect. `p` holds its parameters in the card's order, `own` its own states.
 pub trait Effect {
     /// Name, equation, source, parameters and own states.
     const CARD: Card;
 
-    /// What its flows need of its parameters and the gas alone, worked out once for a chamber.
+    /// Constant of its flows, from its parameters and the gas alone, computed once per chamber.
     #[inline(always)]
     fn constant<R: Real>(_p: &[R], _gas: &Gas<R>) -> R {
         R::ONE
     }
 
-    /// Values of its own states in a chamber at rest in equilibrium at `at`.
+    /// Initial values of its own states in a chamber at rest in equilibrium at `at`.
     fn initial<R: Real>(_at: &Conditions<R>, _own: &mut [R]) {}
 
-    /// How much warmer than its surroundings the wall is when all is at rest, K.
+    /// Excess of the wall's temperature over the surroundings' at rest, K.
     #[inline(always)]
     fn wall_excess<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// Whether the gas's heat capacities are not constant: then the next four hooks say how.
+    /// Whether it makes the gas's heat capacities vary; the next four hooks then say how.
     const CALORIC: bool = false;
 
-    /// The internal energy of the gas over m cv T, at a temperature, K.
+    /// Internal energy of the gas over m cv T, at a temperature, K.
     #[inline(always)]
     fn internal_energy<R: Real>(_p: &[R], _temperature: R) -> R {
         R::ONE
@@ -40,50 +40,50 @@ pub trait Effect {
         by_energy
     }
 
-    /// Puts pressure, temperature and heat capacities in the place of those that constant heat capacities give.
+    /// Replaces the pressure, temperature and heat capacities that constant heat capacities give.
     #[inline(always)]
     fn gas_properties<R: Real>(_p: &[R], _at: &mut Conditions<R>) {}
 
-    /// What the flows bring beside `at.cp` times their temperature, W: for the energy's rate, and for that of V P/(γ − 1).
+    /// Enthalpy flow beyond `at.cp` times temperature, W: for the rate of the energy, and for that of P V/(γ − 1).
     #[inline(always)]
     fn excess_enthalpy<R: Real>(_p: &[R], _at: &Conditions<R>, _flows: &Flows<R>) -> [R; 2] {
         [R::ZERO; 2]
     }
 
-    /// Whether all it does is to say how warm the wall is: then it is off where others hold the wall's temperature.
+    /// Whether it only sets the wall's temperature: it is then off where the surroundings prescribe that temperature.
     const OF_WALL: bool = false;
 
-    /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall, the wall's.
+    /// Changes what the rest of the balance sees of gas and wall: the gas temperature at the wall and the wall temperature.
     #[inline(always)]
     fn conditions<R: Real>(_p: &[R], _own: &[R], _at: &mut Conditions<R>) {}
 
-    /// Whether the gas can fill another volume than the geometry's: then the next hooks say when, and which.
+    /// Whether the gas can fill a volume other than the geometry's; the next hooks then say when, and which.
     const VOLUMETRIC: bool = false;
 
-    /// Whether it does with these parameters, in any lane.
+    /// Whether it does so with these parameters, in any lane.
     #[inline(always)]
     fn is_volumetric<R: Real>(_p: &[R]) -> bool {
         Self::VOLUMETRIC
     }
 
-    /// The gas's volume over the geometry's at a position, m, and pressure, Pa, and how that changes with the one, 1/m, and
-    /// with the other, 1/Pa.
+    /// Gas volume over the geometry's at a position, m, and pressure, Pa, and its derivatives with respect to position, 1/m, and
+    /// pressure, 1/Pa.
     #[inline(always)]
     fn volume<R: Real>(_p: &[R], _position: R, _pressure: R) -> [R; 3] {
         [R::ONE, R::ZERO, R::ZERO]
     }
 
-    /// Adds heat into the gas beside that from the wall, W.
+    /// Adds heat flow into the gas, W, to that from the wall.
     #[inline(always)]
     fn heat_flow<R: Real>(_p: &[R], _at: &Conditions<R>, _heat: &mut R) {}
 
-    /// A factor of the heat transfer coefficient.
+    /// Factor on the heat transfer coefficient.
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(_p: &[R], _at: &Conditions<R>) -> R {
         R::ONE
     }
 
-    /// The heat transfer area, m², where the chain before it gives `area`.
+    /// Heat transfer area, m², given the area after the preceding effects.
     #[inline(always)]
     fn heat_transfer_area<R: Real>(_p: &[R], area: R) -> R {
         area
@@ -93,49 +93,49 @@ pub trait Effect {
     #[inline(always)]
     fn flows<R: Real>(_p: &[R], _constant: R, _at: &Conditions<R>, _flows: &mut Flows<R>) {}
 
-    /// Whether its factor of λ has no power series where gas and wall have one temperature: an integration that starts there
-    /// has to begin with short steps, or by a clock that makes up for it.
+    /// Whether its factor of λ has no power series where gas and wall are at the same temperature: an integration starting there
+    /// needs short first steps or a transformed time.
     const SINGULAR: bool = false;
 
     /// Whether its law has corners at some pressures: [`Effect::corner`].
     const CORNERS: bool = false;
 
-    /// The first pressure after `from` and before `to`, Pa, at which its law has a corner; `to` where there is none.
+    /// First pressure after `from` and before `to`, Pa, at which its law has a corner; `to` if there is none.
     #[inline(always)]
     fn corner<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
         to
     }
 
-    /// Number of functions that [`Effect::kinks`] gives.
+    /// Number of functions returned by [`Effect::kinks`].
     const KINKS: usize = 0;
 
-    /// Functions of order one that change their sign where its law has a corner, whatever variable it lies in: event
-    /// indicators of a host that integrates itself. `out` has [`Effect::KINKS`] places.
+    /// Functions of order one that change sign where its law has a corner in any variable: event indicators for a host with its
+    /// own integrator. `out` has length [`Effect::KINKS`].
     fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
 
-    /// Whether gas moves because the pressure changes: then the next hook says how much.
+    /// Whether changes of pressure move gas; the next hook then says how much.
     const STORES: bool = false;
 
-    /// Gas that leaves (positive) because of the pressure's [`Course`]: returns the flow in kg/s and the temperature it has, K. See
+    /// Gas that leaves (positive) because of the pressure's [`Course`]: returns its flow, kg/s, and its temperature, K. See
     /// [`tube_volume`](super::tube_volume).
     #[inline(always)]
     fn storage<R: Real>(_p: &[R], at: &Conditions<R>, _course: &Course<R>) -> (R, R) {
         (R::ZERO, at.temperature)
     }
 
-    /// Whether its own states are the modes of [`wall_conduction::KERNEL`](super::wall_conduction::KERNEL), fed by the heat
-    /// flux into the wall times [`Effect::inverse_effusivity`], and it does nothing but warm the wall by their sum.
+    /// Whether its own states are the modes of [`wall_conduction::KERNEL`](super::wall_conduction::KERNEL), driven by the heat
+    /// flux into the wall times [`Effect::inverse_effusivity`], and its only action is to warm the wall by their sum.
     const REMEMBERS: bool = false;
 
-    /// 1/e of a wall that remembers, W^−1 s^−½ m² K.
+    /// 1/e of a wall with memory, W^−1 s^−½ m² K.
     #[inline(always)]
     fn inverse_effusivity<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// Rates, 1/s, at which its own states decay by themselves: part of what each changes by is −rate × state, whatever else happens. An
-    /// integrator may take that part exactly ([`crate::decay`]), so that its steps are not the shorter the faster a state decays. The rates
-    /// are those at the start of a run; `out` is zero.
+    /// Decay rates of its own states, 1/s: each own rate contains the term −rate × state in all conditions. An integrator may
+    /// treat that term exactly ([`crate::decay`]), so that fast decay does not shorten its steps. The rates are taken at the
+    /// start of a run; `out` is zero.
     fn decays<R: Real>(_p: &[R], _at: &Conditions<R>, _out: &mut [R]) {}
 
     /// Rates of its own states, per second.
@@ -150,51 +150,52 @@ pub trait Effect {
     ) {
     }
 
-    /// Changes its own states where so much heat, J, comes out of the wall, through its area, m², into the gas at once.
+    /// Changes its own states when a heat, J, passes instantaneously from the wall into the gas through an area, m².
     #[inline(always)]
     fn heated<R: Real>(_p: &[R], _at: &Conditions<R>, _area: R, _heat: R, _own: &mut [R]) {}
 
-    /// What the sensor shows where the chain before it shows `reading`, Pa, `time` seconds after the record began.
+    /// What the sensor shows, Pa, given the reading after the preceding effects, Pa, `time` seconds after the start of the
+    /// record.
     #[inline(always)]
     fn reading<R: Real>(_p: &[R], _own: &[R], reading: R, _time: R) -> R {
         reading
     }
 
-    /// Whether what the sensor shows over its reading has bends: [`Effect::bend`]. Such an effect comes after the others on
-    /// the reading, and between its bends [`Effect::reading`] is a straight line over the reading.
+    /// Whether the sensor's characteristic has kinks: [`Effect::bend`]. Such an effect follows the others on the reading, and
+    /// between its kinks [`Effect::reading`] is linear in the reading.
     const BENDS: bool = false;
 
-    /// The first reading after `from` and before `to`, Pa, at which what the sensor shows bends; `to` where there is none.
+    /// First reading after `from` and before `to`, Pa, at which the characteristic has a kink; `to` if there is none.
     #[inline(always)]
     fn bend<R: Real>(_p: &[R], _from: R, to: R) -> R {
         to
     }
 
-    /// How much later than the gas the record shows the gas's state, s.
+    /// Delay of the pressure record behind the gas, s.
     #[inline(always)]
     fn delay<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// How much later than the piston the record shows its position, s.
+    /// Delay of the position record behind the piston, s.
     #[inline(always)]
     fn stroke_delay<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// Time constant of the first-order filter that the recorded position has passed, s.
+    /// Time constant of the first-order filter on the position record, s.
     #[inline(always)]
     fn stroke_filter<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// Time over which the recorded position is a centred moving average, s.
+    /// Width of the centred moving average on the position record, s.
     #[inline(always)]
     fn stroke_window<R: Real>(_p: &[R]) -> R {
         R::ZERO
     }
 
-    /// Time constant with which the reading follows the gas, s; its reading is then its first own state.
+    /// Time constant of the reading's lag behind the gas, s; the reading is then its first own state.
     #[inline(always)]
     fn lag<R: Real>(_p: &[R]) -> R {
         R::ZERO

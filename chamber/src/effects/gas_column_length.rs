@@ -1,4 +1,4 @@
-//! Gas column length: λ depends on how long the column of gas in front of the piston is, λ ∝ (l/l_ref)^a.
+//! Gas column length: λ depends on the length of the gas column in front of the piston, λ ∝ (l/l_ref)^a.
 //!
 //! l = V/(piston area), m; a dimensionless, −½ if heat diffuses along the column. Source: hypothesis on the paper's six
 //! measured points (design finding 4), where a = −½ cuts the error of τ from 26 % to 5 %; three actuators only.

@@ -1,9 +1,9 @@
-//! Gas zones: part of the gas does not touch the wall and exchanges heat with the rest of the gas only.
+//! Gas zones: part of the gas does not touch the wall and exchanges heat only with the rest of the gas.
 //!
 //! A constant mass fraction z (zone 2) at the common pressure P, with Q12 = H (T1 − T2) from the rest (zone 1).
 //! Enthalpy balance of zone 2: z m cp dT2/dt = V2 dP/dt + Q12 + z Σ ṁin cp (Tin − T2), V2 = z m R T2/P.
-//! Flows are in proportion. T = (1 − z) T1 + z T2 = P V/(m R) is the mean; T1 is the T of λ and Q̇.
-//! Where the heat capacity depends on temperature, both zones have that of the mean temperature.
+//! Each zone takes its fraction of the flows. T = (1 − z) T1 + z T2 = P V/(m R) is the mean; T1 is the T of λ and Q̇. Where the
+//! heat capacity depends on temperature, both zones have that of the mean temperature.
 //! z  1; H  W/K. z = 0 means off. Source: two-zone models of engine cylinders, Heywood (1988), chapter 14.
 
 use super::Effect;
@@ -61,14 +61,14 @@ impl Effect for GasZones {
     /// λ follows the temperature of the gas at the wall, not the mean one.
     #[inline(always)]
     fn heat_transfer_factor<R: Real>(_: &[R], at: &Conditions<R>) -> R {
-        // Exactly 1 where there is one zone.
+        // Exactly 1 for a single zone.
         (R::ONE + (at.gas_temperature_at_wall - at.temperature) * at.per_temperature()).sqrt()
     }
 
     #[inline(always)]
     fn own_rates<R: Real>(p: &[R], own: &[R], at: &Conditions<R>, flows: &Flows<R>, rates: &Rates<R>, out: &mut [R]) {
         let (fraction, conductance, core) = (p[0], p[1], own[0]);
-        // All times m cp, as quotients take a processor long: m R/P = V/T.
+        // Multiplied by m cp throughout, because divisions are slow: m R/P = V/T.
         let compression = core * at.volume * at.per_temperature() * rates.pressure;
         let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core);
         let exchange = conductance * (at.gas_temperature_at_wall - core);
@@ -77,14 +77,14 @@ impl Effect for GasZones {
         out[0] = received * at.per_mass / (share * at.cp);
     }
 
-    /// Towards the mean temperature: what the core gains the rest has lost.
+    /// Towards the mean temperature: the rest loses what the core gains.
     fn decays<R: Real>(p: &[R], at: &Conditions<R>, out: &mut [R]) {
         let (fraction, conductance) = (p[0], p[1]);
         let share = fraction.where_positive(fraction, R::ONE);
         out[0] = fraction.where_positive(conductance * at.per_mass / (share * (R::ONE - fraction) * at.cp), R::ZERO);
     }
 
-    /// The core is compressed by the pressure that the heat makes at the same volume.
+    /// The core is compressed by the pressure rise of the heat at constant volume.
     fn heated<R: Real>(_: &[R], at: &Conditions<R>, _: R, heat: R, own: &mut [R]) {
         let rise = at.expansion * heat * at.per_volume;
         own[0] += at.gas_constant * own[0] / at.pressure * rise / at.cp;

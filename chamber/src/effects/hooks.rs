@@ -1,11 +1,11 @@
-//! What the effects of a set do together: each hook of [`Effect`] with the parameters of all effects, as methods of these.
+//! Joint action of the effects of a set: each hook of [`Effect`] for the parameters of all effects, as a method.
 
 use super::{Effect, EffectConstants, EffectSet, EffectValues, KINKS, OWN_STATES, Place};
 use crate::gas::Gas;
 use crate::parts::{Conditions, Course, Flows, Rates};
 use crate::real::Real;
 
-/// Own states of all effects in a chamber at rest in equilibrium.
+/// Initial own states of all effects in a chamber at rest in equilibrium.
 #[inline(always)]
 pub fn initial<R: Real>(at: &Conditions<R>, own: &mut [R; OWN_STATES]) {
     each!(E => E::initial(at, E::own_mut(own)));
@@ -24,7 +24,7 @@ macro_rules! sums_of {
 }
 
 impl<R: Real> EffectValues<R> {
-    /// Temperature at which gas and wall are at rest in surroundings of `ambient`, K.
+    /// Temperature of gas and wall at rest in surroundings at `ambient`, K.
     #[inline(always)]
     pub fn rest_temperature(&self, ambient: R) -> R {
         let mut temperature = ambient;
@@ -40,7 +40,7 @@ impl<R: Real> EffectValues<R> {
         product
     }
 
-    /// [`Effect::decays`] of the effects in `set`, 1/s; zero of all other own states.
+    /// [`Effect::decays`] of the effects in `set`, 1/s; zero for all other own states.
     pub fn decays(&self, set: EffectSet, at: &Conditions<R>) -> [R; OWN_STATES] {
         let mut out = [R::ZERO; OWN_STATES];
         each!(E in set => E::decays(E::values(self), at, E::own_mut(&mut out)));
@@ -73,7 +73,7 @@ impl<R: Real> EffectValues<R> {
         sum
     }
 
-    /// Whether the gas fills another volume than the geometry's by an effect in `set`, with these parameters.
+    /// Whether an effect in `set` with these parameters makes the gas fill a volume other than the geometry's.
     #[inline(always)]
     pub fn is_volumetric(&self, set: EffectSet) -> bool {
         each!(E in set => if E::VOLUMETRIC && E::is_volumetric(E::values(self)) { return true });
@@ -91,7 +91,7 @@ impl<R: Real> EffectValues<R> {
         all
     }
 
-    /// Heat into the gas, W: that from the wall, and [`Effect::heat_flow`] of the effects in `set`.
+    /// Heat flow into the gas, W: that from the wall plus [`Effect::heat_flow`] of the effects in `set`.
     #[inline(always)]
     pub fn heat_flow(&self, set: EffectSet, at: &Conditions<R>, from_wall: R) -> R {
         let mut heat = from_wall;
@@ -113,7 +113,7 @@ impl<R: Real> EffectValues<R> {
         product
     }
 
-    /// [`Effect::heat_transfer_area`] of the effects in `set`, from that of the area law, m².
+    /// [`Effect::heat_transfer_area`] of the effects in `set`, starting from the area law's, m².
     #[inline(always)]
     pub fn heat_transfer_area(&self, set: EffectSet, of_law: R) -> R {
         let mut area = of_law;
@@ -133,7 +133,7 @@ impl<R: Real> EffectValues<R> {
         each!(E in set => E::flows(E::values(self), constants[E::PLACE], at, flows));
     }
 
-    /// [`Effect::corner`] of the effects in `set`: the first of all.
+    /// Earliest [`Effect::corner`] of the effects in `set`.
     #[inline(always)]
     pub fn corner(&self, set: EffectSet, ambient_pressure: R, from: R, to: R) -> R {
         let mut first = to;
@@ -141,7 +141,7 @@ impl<R: Real> EffectValues<R> {
         first
     }
 
-    /// [`Effect::kinks`] of all effects, in order; one for those that are not in `set`.
+    /// [`Effect::kinks`] of all effects, in order; one for effects not in `set`.
     pub fn kinks(&self, set: EffectSet, own: &[R; OWN_STATES], at: &Conditions<R>, rates: &Rates<R>) -> [R; KINKS] {
         let mut out = [R::ONE; KINKS];
         let mut rest = &mut out[..];
@@ -187,7 +187,7 @@ impl<R: Real> EffectValues<R> {
         each!(E in set => if E::lies_within(M) { E::heated(E::values(self), at, area, heat, E::own_mut(own)) });
     }
 
-    /// What the sensor shows of `pressure`, Pa: [`Effect::reading`] of the effects in `set`, in order.
+    /// What the sensor shows, Pa, at a gas pressure, Pa: [`Effect::reading`] of the effects in `set`, in order.
     #[inline(always)]
     pub fn reading(&self, set: EffectSet, own: &[R; OWN_STATES], pressure: R, time: R) -> R {
         let mut reading = pressure;
@@ -195,7 +195,7 @@ impl<R: Real> EffectValues<R> {
         reading
     }
 
-    /// [`Effect::bend`] of the effects in `set`: the first of all.
+    /// Earliest [`Effect::bend`] of the effects in `set`.
     pub fn bend(&self, set: EffectSet, from: R, to: R) -> R {
         let mut first = to;
         each!(E in set => first = E::bend(E::values(self), from, first));

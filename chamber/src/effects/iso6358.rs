@@ -1,5 +1,5 @@
-//! Gas through an orifice between the chamber and somewhere else, in whichever direction pressure drives it: what every
-//! effect that is a leak shares.
+//! Flow through an orifice between the chamber and an outside, in whichever direction pressure drives it: the law shared by all
+//! leakage effects.
 //!
 //! ṁ = C p_up ρ0 √(T0/T_up) ψ(r),  r = p_down/p_up,  ψ = 1 for r ≤ b, else √(1 − ((r − b)/(1 − b))²)
 //! C  m³/(s Pa)  sonic conductance;  b  1  critical pressure ratio;  ψ linear in r above r = 0.999.
@@ -16,11 +16,11 @@ const REFERENCE_DENSITY_OF_AIR_KG_PER_M3: f64 = 1.185;
 const GAS_CONSTANT_OF_AIR: f64 = 287.0;
 /// Above this pressure ratio ψ is linear, so that its slope at r = 1 is finite.
 const LINEAR_ABOVE: f64 = 0.999;
-/// Towards these pressure ratios ψ grows so steep that a long step across them would not notice.
+/// Near these pressure ratios ψ becomes so steep that a long step across them would miss it.
 const STEEP_ABOVE: f64 = 0.9;
 const STEEPER_ABOVE: f64 = 0.99;
 
-/// The critical pressure ratio b as every leak declares it.
+/// The critical pressure ratio b, as declared by every leak.
 pub const CRITICAL_RATIO: Parameter = Parameter {
     name: "critical_pressure_ratio",
     bounds: 0.0..=0.9,
@@ -33,7 +33,7 @@ pub const CRITICAL_RATIO: Parameter = Parameter {
     ..Parameter::DEFAULT
 };
 
-/// What is on the other side of an orifice.
+/// The other side of an orifice.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<R> {
     /// Pressure there, Pa.
@@ -52,21 +52,21 @@ pub fn constant<R: Real>(conductance: R, critical_ratio: R, gas: &Gas<R>) -> R {
 }
 
 impl<R: Real> Passage<R> {
-    /// Adds the flow through an orifice with that [`constant`].
+    /// Adds the flow through an orifice with the given [`constant`].
     #[inline(always)]
     pub fn exchange(&self, constant: R, at: &Conditions<R>, flows: &mut Flows<R>) {
-        // In place of pressures the energies that go with them, P V/(γ − 1): the root need not wait for a division.
+        // Uses P V/(γ − 1), J, in place of each pressure, so that the root does not wait for a division.
         // √(1/T) is √(U m cv)/U with U = P V/(γ − 1) = m cv T.
         let outside = self.pressure * at.per_expansion * at.volume;
         let out = at.energy - outside;
         let upstream = at.energy.max(outside);
-        // The other of the two; a second choice would be made lane by lane.
+        // The smaller of the two; a second selection would be made lane by lane.
         let downstream = at.energy + outside - upstream;
         let warmth = out.where_positive(at.energy * at.mass * at.cv, self.temperature);
         let root = (flow_function(upstream, downstream, self.critical_ratio) * warmth).sqrt();
 
-        // 1/U upstream, and what the root is divided by: U of the gas or T outside. Of an outside from which gas flows in
-        // one division gives both; from others there is none, as they may be a vacuum.
+        // 1/U upstream, and the divisor of the root: U of the gas or T outside. For an outside from which gas flows in, one
+        // division gives both; other outsides are not divided by, as they may be a vacuum.
         let (mut per_upstream, mut per_root) = (at.per_energy, at.per_energy);
         if (outside - at.energy).any_positive() {
             let per_both = (out.where_positive(R::ONE, outside) * self.temperature).recip();
@@ -80,7 +80,7 @@ impl<R: Real> Passage<R> {
     }
 }
 
-/// (1 − b) ψ(r), for a flow out of a gas at r = downstream/upstream. What no lane needs is left out: to the last digit the same.
+/// (1 − b) ψ(r), for outflow at r = downstream/upstream. Skips what no lane needs; the result is identical to the last digit.
 #[inline(always)]
 pub fn relative_outflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     if !(ratio - critical_ratio).any_positive() {
@@ -91,7 +91,7 @@ pub fn relative_outflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     if near.any_positive() { flow * near.where_positive(fade(ratio), R::ONE) } else { flow }
 }
 
-/// (1 − b) r ψ(1/r), for a flow into a gas from an outside whose pressure is r, more than one, times that of the gas.
+/// (1 − b) r ψ(1/r), for inflow from an outside whose pressure is r > 1 times that of the gas.
 #[inline(always)]
 pub fn relative_inflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     let choked = ratio * critical_ratio;
@@ -103,7 +103,7 @@ pub fn relative_inflow<R: Real>(ratio: R, critical_ratio: R) -> R {
     if near.any_positive() { flow * near.where_positive(fade(per_nearly_one(ratio)), R::ONE) } else { flow }
 }
 
-/// [`relative_inflow`] where r is more than one, else [`relative_outflow`], by one root: to the last digit the same.
+/// [`relative_inflow`] where r is more than one, else [`relative_outflow`], with one root: identical to the last digit.
 #[inline(always)]
 pub fn relative_flow<R: Real>(ratio: R, critical_ratio: R) -> R {
     let (upstream, downstream) = (ratio.max(R::ONE), ratio.min(R::ONE));
@@ -116,12 +116,12 @@ pub fn relative_flow<R: Real>(ratio: R, critical_ratio: R) -> R {
     }
 }
 
-/// The first pressure after `from` and before `to`, Pa, at which the flow has a corner, with `outside` on the other side:
-/// where it chokes, where ψ turns linear, where it turns round; and on the way there two places more. The flow turns at the pressure
-/// `turn`, that outside or zero where that is to be no corner.
+/// First pressure after `from` and before `to`, Pa, at which the flow to `outside` has a corner: where it chokes, where ψ turns
+/// linear, where it reverses, and at two further pressures where ψ is steep. The flow reverses at `turn`: `outside`, or zero to
+/// leave that corner out.
 #[inline(always)]
 pub fn corner<R: Real>(critical_ratio: R, outside: R, turn: R, from: R, to: R) -> R {
-    // Outward the pressure is the outside's over the ratio. Multiplied through, as b may be zero.
+    // Outflow chokes at the pressure `outside`/b. Multiplied through, as b may be zero.
     let choked = (outside - critical_ratio * from) * (critical_ratio * to - outside);
     let mut first = to;
     if choked.any_positive() {
@@ -143,11 +143,11 @@ pub fn corner<R: Real>(critical_ratio: R, outside: R, turn: R, from: R, to: R) -
     nearer(outside * (1.0 / STEEP_ABOVE), from, first)
 }
 
-/// Number of functions that [`kinks`] gives.
+/// Number of functions returned by [`kinks`].
 pub const KINKS: usize = 5;
 
-/// Functions of order one that change their sign where a flow of ISO 6358 between the pressures of two volumes has a
-/// corner: its direction, and either way where it chokes and where ψ turns linear.
+/// Functions of order one that change sign where an ISO 6358 flow between two pressures has a corner: where it reverses and, in
+/// each direction, where it chokes and where ψ turns linear.
 pub fn kinks<R: Real>(one: R, other: R, critical: R) -> [R; KINKS] {
     let per_sum = (one + other).recip();
     let excess = |pressure: R, of: R, ratio: R| (pressure - of * ratio) * per_sum;
@@ -169,13 +169,13 @@ fn flow_function<R: Real>(upstream: R, downstream: R, critical: R) -> R {
     free * free - beyond * beyond
 }
 
-/// The factor by which ψ(r) goes linearly to zero at r = 1.
+/// The factor that takes ψ(r) linearly to zero at r = 1.
 #[inline(always)]
 fn fade<R: Real>(ratio: R) -> R {
     ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE)
 }
 
-/// 1/x, to the last digits, of numbers from 1 to 1/[`LINEAR_ABOVE`]: by Newton's method, as a division takes longer.
+/// 1/x to the last digits, for x from 1 to 1/[`LINEAR_ABOVE`]: by Newton's method, which is faster than a division.
 #[inline(always)]
 fn per_nearly_one<R: Real>(x: R) -> R {
     let two = R::from(2.0);

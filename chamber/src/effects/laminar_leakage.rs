@@ -1,6 +1,6 @@
-//! Laminar leakage: gas that creeps through a long narrow gap, in whichever direction pressure drives it.
+//! Laminar leakage: gas creeping through a long narrow gap, in whichever direction pressure drives it.
 //!
-//! ṁ = G (P² − Pamb²)/(2 R T_up): the volume flow at the mean of both pressures is G times their difference.
+//! ṁ = G (P² − Pamb²)/(2 R T_up): the volume flow at the mean pressure is G times the pressure difference.
 //! G in m³/(s Pa). Inflow enters at ambient temperature.
 //! Source: compressible Poiseuille flow, isothermal, e.g. White, Viscous Fluid Flow, chapter 3.
 
@@ -32,7 +32,7 @@ impl Effect for LaminarLeakage {
         ..Card::DEFAULT
     };
 
-    /// C/(2 R).
+    /// G/(2 R).
     #[inline(always)]
     fn constant<R: Real>(p: &[R], gas: &Gas<R>) -> R {
         p[0] / (gas.gas_constant * 2.0)
@@ -60,7 +60,7 @@ impl Effect for LaminarLeakage {
 
     const CORNERS: bool = true;
 
-    /// Where the flow turns round.
+    /// Where the flow reverses.
     #[inline(always)]
     fn corner<R: Real>(_: &[R], ambient_pressure: R, from: R, to: R) -> R {
         nearer(ambient_pressure, from, to)

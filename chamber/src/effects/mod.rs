@@ -1,8 +1,8 @@
 //! What the paper's model neglects. One effect, one file; adding one touches its file and the list below.
 //!
-//! An effect declares itself on a [`Card`] and takes part in [`balance::rates`](crate::balance::rates) through the
-//! hooks of [`Effect`], each neutral by default ([`EffectValues`] has them all together). Hooks run in the order of the trait's
-//! methods, effects in the list's.
+//! An effect declares itself on a [`Card`] and takes part in [`balance::rates`](crate::balance::rates) through the hooks of
+//! [`Effect`], each neutral by default ([`EffectValues`] combines them). Hooks run in the order of the trait's methods, effects
+//! in the order of the list.
 
 mod effect;
 pub mod iso6358;
@@ -16,7 +16,7 @@ pub use values::EffectValues;
 
 use crate::card::{ActsOn, Balance, Card};
 
-// `$dollar` is the dollar sign of the macros that this one makes, which it cannot write itself.
+// `$dollar` is the dollar sign for the macros defined inside this one, which cannot write it themselves.
 macro_rules! effects {
     ($dollar:tt $($module:ident::$name:ident),* $(,)?) => {
         $(pub mod $module; pub use $module::$name;)*
@@ -28,15 +28,15 @@ macro_rules! effects {
         pub const COUNT: usize = Id::COUNT as usize;
 
         $(impl $module::$name {
-            /// Its place in the list of effects.
+            /// Its index in the list of effects.
             pub const PLACE: usize = Id::$module as usize;
-            /// The set of it alone.
+            /// The set that contains only this effect.
             pub const SET: EffectSet = EffectSet::one(Self::PLACE);
         })*
 
         $(impl Place for $module::$name { const PLACE: usize = Self::PLACE; })*
 
-        /// Evaluates an expression for each effect, or each one in a set; the effect goes by the name given.
+        /// Evaluates an expression for each effect, or each effect in a set, which it can refer to by the given name.
         macro_rules! each {
             ($dollar effect:ident in $dollar set:expr => $dollar body:expr) => {
                 each!($dollar effect => if $dollar set.has($dollar effect::PLACE) { $dollar body; })
@@ -46,7 +46,7 @@ macro_rules! effects {
             };
         }
 
-        /// The values of an expression for each effect.
+        /// Array of an expression's values, one per effect.
         macro_rules! of_each {
             ($dollar effect:ident => $dollar value:expr) => {
                 [$({ type $dollar effect = $crate::effects::$name; $dollar value }),*]
@@ -80,12 +80,12 @@ effects![$
     empirical::Empirical,
 ];
 
-// Behind the list, of which it takes each effect in turn.
+// After the list, because it expands over all effects.
 mod hooks;
 
 pub use hooks::initial;
 
-/// The set of the effects whose cards meet a condition, at compile time.
+/// The set of effects whose cards meet a condition, evaluated at compile time.
 #[macro_export]
 macro_rules! effects_where {
     ($card:ident => $condition:expr) => {{
@@ -100,10 +100,10 @@ macro_rules! effects_where {
 }
 
 impl EffectSet {
-    /// Every effect of the list.
+    /// All effects.
     pub const ALL: EffectSet = EffectSet::of([true; COUNT]);
 
-    /// The set of those [`bits`](Self::bits).
+    /// The set with these [`bits`](Self::bits).
     pub const fn from_bits(bits: u32) -> Self {
         Self::of_bits(bits).intersection(Self::ALL)
     }
@@ -128,10 +128,10 @@ pub const STORING: EffectSet = EffectSet::of(of_each!(E => E::STORES));
 pub const WITH_BENDS: EffectSet = EffectSet::of(of_each!(E => E::BENDS));
 /// Effects with [`Effect::REMEMBERS`].
 pub const REMEMBERING: EffectSet = EffectSet::of(of_each!(E => E::REMEMBERS));
-/// Effects that have [`Effect::kinks`].
+/// Effects with a nonzero [`Effect::KINKS`].
 pub const WITH_KINKS: EffectSet = EffectSet::of(of_each!(E => E::KINKS != 0));
 
-/// Number of functions that [`EffectValues::kinks`] gives.
+/// Number of functions returned by [`EffectValues::kinks`].
 pub const KINKS: usize = {
     let mut sum = 0;
     each!(E => sum += E::KINKS);
@@ -150,7 +150,7 @@ pub const PARAMETERS: usize = PARAMETER_OFFSETS[COUNT];
 /// Number of own states of all effects.
 pub const OWN_STATES: usize = STATE_OFFSETS[COUNT];
 
-/// Number of own states of the effects before the first that has more than four.
+/// Number of own states of the effects before the first with more than four.
 pub const FEW_OWN_STATES: usize = {
     let mut i = 0;
     while i < COUNT && CARDS[i].states.len() <= MANY {
@@ -158,7 +158,7 @@ pub const FEW_OWN_STATES: usize = {
     }
     STATE_OFFSETS[i]
 };
-/// An effect with more own states than this is integrated in code of its own, so that the others do not carry them along.
+/// Effects with more own states than this are integrated by separate code, so that the others do not carry those states.
 pub const MANY: usize = 4;
 
 /// Nominal sizes of all effects' own states.
@@ -176,7 +176,7 @@ pub const NOMINALS: [f64; OWN_STATES] = {
     out
 };
 
-/// Number of own states up to the last one that an effect in `set` has: those behind it do not move.
+/// Number of own states up to the last one of an effect in `set`: later ones do not change.
 pub fn own_states_of(set: EffectSet) -> usize {
     all()
         .filter(|(i, card)| set.has(*i) && !card.states.is_empty())
@@ -196,7 +196,7 @@ const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
     out
 }
 
-/// An effect's place in the list, and with it in the arrays of parameters and own states.
+/// An effect's index in the list, and hence its slices of parameters and own states.
 trait Place {
     const PLACE: usize;
 
@@ -204,7 +204,7 @@ trait Place {
     fn values<R>(values: &EffectValues<R>) -> &[R] {
         &values.0[PARAMETER_OFFSETS[Self::PLACE]..PARAMETER_OFFSETS[Self::PLACE + 1]]
     }
-    /// Its own states among the first `M` of all effects: empty where it has none.
+    /// Its own states within the first `M` of all effects: empty where it has none.
     #[inline(always)]
     fn own<R, const M: usize>(own: &[R; M]) -> &[R] {
         own.get(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
@@ -213,7 +213,7 @@ trait Place {
     fn own_mut<R, const M: usize>(own: &mut [R; M]) -> &mut [R] {
         own.get_mut(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
     }
-    /// Whether all its own states are among the first `count` of all effects.
+    /// Whether all its own states lie within the first `count` of all effects.
     #[inline(always)]
     fn lies_within(count: usize) -> bool {
         let (begin, end) = (STATE_OFFSETS[Self::PLACE], STATE_OFFSETS[Self::PLACE + 1]);
@@ -221,28 +221,27 @@ trait Place {
     }
 }
 
-/// Every effect's declaration with its place in the list.
+/// Every effect's index and declaration.
 pub fn all() -> impl Iterator<Item = (usize, &'static Card)> {
     static ALL: [Card; COUNT] = CARDS;
     ALL.iter().enumerate()
 }
 
-/// The effects that act behind the gas, on what the sensor shows.
+/// The effects that act after the gas, on what the sensor shows.
 pub const fn of_sensor() -> EffectSet {
     const { effects_where!(card => matches!(card.acts_on, ActsOn::Reading)) }
 }
 
-/// The effects that act on the record of the stroke: of no meaning where the stroke is the true one.
+/// The effects that act on the stroke record: meaningless where the stroke is the true one.
 pub const fn of_recorded_stroke() -> EffectSet {
     const { effects_where!(card => matches!(card.acts_on, ActsOn::RecordedStroke)) }
 }
 
-/// Effects that act on the energy of the gas and let none of it pass: with these alone, and without flows, its mass stays
-/// what it is.
+/// Effects on the energy of the gas that pass no gas: with these alone and no flows, its mass is constant.
 pub const KEEP_THE_MASS: EffectSet =
     effects_where!(card => matches!(card.balance, Balance::Energy) && matches!(card.acts_on, ActsOn::Gas));
 
-/// The effect of that name: its place in the list and its declaration.
+/// The effect of that name: its index in the list and its declaration.
 pub fn find(name: &str) -> Option<(usize, &'static Card)> {
     all().find(|(_, card)| card.name == name)
 }

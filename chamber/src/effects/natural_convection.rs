@@ -1,16 +1,16 @@
-//! Natural convection: λ grows with the temperature difference that drives it, λ ∝ |T − Tw|^n.
+//! Natural convection: λ grows with the driving temperature difference, λ ∝ |T − Tw|^n.
 //!
-//! Factor (|T − Tw|/20 K)^n; n = ¼ for laminar flow along a wall, ⅓ for turbulent. Q̇ = λ Aq (Tw − T) is then a
-//! sign-preserving power of Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
+//! Factor (|T − Tw|/20 K)^n; n = ¼ for laminar flow along a wall, ⅓ for turbulent. Q̇ = λ Aq (Tw − T) is then a signed power of
+//! Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
 use crate::card::{Balance, Card, Parameter};
 use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
-/// The temperature difference at which λ0 is meant, K.
+/// The temperature difference to which λ0 refers, K.
 pub const REFERENCE_DIFFERENCE_K: f64 = 20.0;
-/// Keeps the logarithm finite at Tw = T, K: below it the power is that of this difference.
+/// Keeps the logarithm finite at Tw = T, K: smaller differences count as this one.
 pub const SMALLEST_DIFFERENCE_K: f64 = 1e-12;
 
 /// λ as a power of the temperature difference.

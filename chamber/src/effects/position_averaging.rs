@@ -1,8 +1,8 @@
-//! Position averaging: the position record is a moving average of the stroke over a time w, centred.
+//! Position averaging: the position record is a centred moving average of the stroke over a time w.
 //!
-//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2; w ≥ 0 in s. The stroke is found again by least squares
-//! ([`unaveraged`](crate::unaveraged)). A filter's delay is `position_delay`'s matter. The gas spring of design finding 5
-//! has w near 0.6 s.
+//! x_rec(t) = (1/w) ∫ x(t + s) ds, s from −w/2 to w/2; w ≥ 0 in s. The stroke is recovered by least squares
+//! ([`unaveraged`](crate::unaveraged)). A filter's delay belongs to `position_delay`. The gas spring of design finding 5 has w
+//! near 0.6 s.
 
 use super::Effect;
 use crate::card::{ActsOn, Balance, Card, ClosedForm, Normal, Parameter, Prior, Scope, Unit};

@@ -1,10 +1,10 @@
-//! Position delay: the position record is later than the piston, by a fixed time d and by a first-order filter of time
-//! constant τ: x(t) = x_rec(t + d) + τ dx_rec/dt(t + d).
+//! Position delay: the position record lags the piston by a fixed time d and a first-order filter of time constant τ: x(t) =
+//! x_rec(t + d) + τ dx_rec/dt(t + d).
 //!
-//! d, τ in s, τ ≥ 0: a digitally read displacement sensor, or one behind a low-pass. A digital low-pass, which has read the stroke at
-//! its own moment when it answers, is ahead of the filter of this equation by half of its step: d is negative then. With nothing else
-//! recorded than position and pressure, only the difference of d to the delay of the pressure record shows. Of a stroke recorded in
-//! rows the slope at a row is the mean of those on both sides.
+//! d, τ in s, τ ≥ 0: a digitally read displacement sensor, or one behind a low-pass. A digital low-pass whose output already
+//! includes the current sample leads the filter of this equation by half of its step: d is then negative. With only position and
+//! pressure recorded, only the difference between d and the delay of the pressure record is observable. For a stroke recorded in
+//! rows, the slope at a row is the mean of those on both sides.
 
 use super::Effect;
 use crate::card::{ActsOn, Balance, Card, ClosedForm, Fitted, Normal, Parameter, Prior, Scope, Unit};

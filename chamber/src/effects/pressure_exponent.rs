@@ -1,7 +1,7 @@
 //! Pressure and temperature exponents: λ ∝ (P/P0)^nP (T/T0)^nT instead of equation (5)'s square roots.
 //!
-//! Factor (P/P0)^(nP − ½) (T/T0)^(nT − ½) on Eichelberg's √(P T/(P0 T0)); nP, nT dimensionless, ½ by the paper.
-//! Source: exponents between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
+//! Factor (P/P0)^(nP − ½) (T/T0)^(nT − ½) on Eichelberg's √(P T/(P0 T0)); nP, nT dimensionless, ½ in the paper. Source: exponents
+//! between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
 use crate::card::{Balance, Card, Fitted, Parameter};

@@ -1,4 +1,4 @@
-//! Record delay: the recorded pressure is that of an earlier moment, y(t) = P(t − d), after the sensor's lag.
+//! Record delay: the pressure record shows an earlier moment, y(t) = P(t − d), after the sensor's lag.
 //!
 //! d ≥ 0 in s: acquisition chains that stamp position and pressure at different moments.
 

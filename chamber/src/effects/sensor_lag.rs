@@ -58,8 +58,8 @@ impl Effect for SensorLag {
     }
 }
 
-/// Reading of the lagging sensor a time `elapsed` after it showed `reading`, while the pressure is p0 + p1 t + p2 t²
-/// (Pa, Pa/s, Pa/s²): the exact solution, for any τs > 0 however small, so that a fast sensor costs no small steps.
+/// Reading of the lagging sensor a time `elapsed` after it showed `reading`, while the pressure is p0 + p1 t + p2 t² (Pa, Pa/s,
+/// Pa/s²): the exact solution, for any τs > 0 however small, so that a fast sensor does not force small steps.
 ///
 /// y = q(t) + (y0 − q(0)) e^(−t/τs) with q = p − τs p′ + τs² p″.
 #[inline]

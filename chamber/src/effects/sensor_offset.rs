@@ -1,4 +1,4 @@
-//! Sensor offset: the pressure reading is off by a constant, as a gauge whose zero is off.
+//! Sensor offset: the pressure reading is off by a constant, like a gauge with a zero error.
 //!
 //! b in Pa, added after lag and delay; each record has its own.
 

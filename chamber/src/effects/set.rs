@@ -1,4 +1,4 @@
-//! Sets of effects, by their places in the list.
+//! Sets of effects, by their indices in the list.
 
 /// A set of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -8,11 +8,11 @@ impl EffectSet {
     /// No effect: the paper's model.
     pub const NONE: EffectSet = EffectSet(0);
 
-    /// The set of that one effect, by its place in the list.
+    /// The set of the one effect at that index in the list.
     pub const fn one(index: usize) -> Self {
         Self(1 << index)
     }
-    /// The set of the effects at whose places it says so.
+    /// The set of the effects whose entries are true.
     pub(super) const fn of<const COUNT: usize>(is_in: [bool; COUNT]) -> Self {
         let (mut bits, mut i) = (0, 0);
         while i < COUNT {
@@ -21,15 +21,15 @@ impl EffectSet {
         }
         Self(bits)
     }
-    /// The set as a number, one bit an effect by its place in the list.
+    /// The set as a number, one bit per effect at its index in the list.
     pub const fn bits(self) -> u32 {
         self.0
     }
-    /// The set of those bits, of which none is beyond the list.
+    /// The set with these bits, all within the list.
     pub(super) const fn of_bits(bits: u32) -> Self {
         Self(bits)
     }
-    /// Whether the effect at that place is in the set.
+    /// Whether the effect at that index is in the set.
     #[inline(always)]
     pub const fn has(self, index: usize) -> bool {
         self.0 & (1 << index) != 0
@@ -50,11 +50,11 @@ impl EffectSet {
     pub const fn intersection(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
-    /// Whether no effect is in the set.
+    /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
-    /// Places of its effects, ascending.
+    /// Indices of its effects, ascending.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         let mut rest = self.0;
         core::iter::from_fn(move || {
@@ -66,7 +66,7 @@ impl EffectSet {
 }
 
 impl FromIterator<usize> for EffectSet {
-    /// The set of the effects at these places in the list.
+    /// The set of the effects at these indices in the list.
     fn from_iter<I: IntoIterator<Item = usize>>(places: I) -> Self {
         places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
     }

@@ -1,11 +1,11 @@
 //! Temperature-dependent heat capacity: cv grows with temperature, as that of real diatomic gases does.
 //!
 //! cv(T) = cv (1 + s (T − T0) + c (T − T0)²),  T0 = 293 K;  U = m ∫ cv dT,  cp(T) = cv(T) + R;  s in 1/K, c in 1/K².
-//! R/(γ − 1) is cv at T0. T follows from U by a quadratic equation, where c is not zero by Newton's method from its root on.
-//! h(T) = u(T) + R T of each flow. Beside gas zones both zones have the heat capacity of the mean temperature.
+//! R/(γ − 1) is cv at T0. T follows from U by a quadratic equation or, where c is not zero, by Newton's method from its root.
+//! Each flow carries h(T) = u(T) + R T. Combined with gas zones, both zones have the heat capacity of the mean temperature.
 //! Source: NIST-JANAF thermochemical tables, slope between 300 and 400 K, see [`Gas::heat_capacity_slope`]. Below 300 K cv of air
-//! hardly changes: its molecules as harmonic oscillators (A. Einstein, Ann. Phys. 327 (1907) 180; N₂ at 3393 K, O₂ at 2273 K) have
-//! s = 5.7e-5 1/K and c = 4.7e-7 1/K² from 230 to 450 K.
+//! hardly changes: with its molecules as harmonic oscillators (A. Einstein, Ann. Phys. 327 (1907) 180; N₂ at 3393 K, O₂ at 2273
+//! K), s = 5.7e-5 1/K and c = 4.7e-7 1/K² fit 230 to 450 K.
 
 use super::Effect;
 use crate::card::{Balance, Card, Fitted, Normal, Parameter, Prior, Unit};
@@ -19,7 +19,7 @@ const REFERENCE_TEMPERATURE_K: f64 = 293.0;
 /// Linear heat capacity.
 pub struct TemperatureDependentHeatCapacity;
 
-/// The slope that tables give for the gas, known to a fifth of itself; for an unknown gas any that gases have.
+/// The gas's tabulated slope, with a standard deviation of a fifth of it; for an unknown gas, wide enough for any gas.
 fn slope_of(gas: &Gas) -> Normal {
     match gas.heat_capacity_slope() {
         Some(slope) => Normal { mean: slope, standard_deviation: (0.2 * slope).max(1e-5) },
@@ -27,13 +27,13 @@ fn slope_of(gas: &Gas) -> Normal {
     }
 }
 
-/// The curvature is none in a monatomic gas, whose molecules can only fly; in any other what vibrations make of it.
+/// Zero for a monatomic gas, which has no vibrations; for any other, the range that vibrations can give.
 fn curvature_of(gas: &Gas) -> Normal {
     let is_monatomic = gas.heat_capacity_slope() == Some(0.0);
     Normal { mean: 0.0, standard_deviation: if is_monatomic { 1e-9 } else { 7e-7 } }
 }
 
-/// Temperatures, K, and what cv is there.
+/// Coefficients of cv(T), for temperatures in K.
 struct Law<R> {
     slope: R,
     curvature: R,
@@ -52,7 +52,7 @@ impl<R: Real> Law<R> {
         above * (self.curvature * above + self.slope) + 1.0
     }
 
-    /// u(T)/(cv T) as a polynomial in T, the constant first.
+    /// u(T)/(cv T) as a polynomial in T, constant term first.
     #[inline(always)]
     fn mean_capacity(&self) -> [R; 3] {
         const T0: f64 = REFERENCE_TEMPERATURE_K;
@@ -70,9 +70,9 @@ impl<R: Real> Law<R> {
     /// T where U/(m cv) is `by_energy`, K.
     #[inline(always)]
     fn temperature(&self, by_energy: R) -> R {
-        /// To rounding from the root of a straight law, whatever the parameters...
+        /// Steps to reach rounding from the root of the linear law, for any parameters.
         const MOST_STEPS: usize = 4;
-        /// ...and of a step that is smaller than this share of T the next would be its square.
+        /// Below this fraction of T, a step leaves an error of the order of its square, so no further step is needed.
         const SMALL: f64 = 1e-7;
         const T0: f64 = REFERENCE_TEMPERATURE_K;
         // U/(m cv) = T + s (T²/2 − T0 T), in the form that s = 0 leaves exact.
@@ -157,7 +157,7 @@ impl Effect for TemperatureDependentHeatCapacity {
 
     #[inline(always)]
     fn excess_enthalpy<R: Real>(p: &[R], at: &Conditions<R>, flows: &Flows<R>) -> [R; 2] {
-        // h(Tx) − cp(T) Tx = u(Tx) − cv(T) Tx of gas that enters at Tx; gas at T carries as much with T for Tx.
+        // h(Tx) − cp(T) Tx = u(Tx) − cv(T) Tx for gas that enters at Tx; for gas at T, set Tx = T.
         let law = Law::of(p);
         let capacity = law.capacity(at.temperature);
         let [constant, linear, square] = law.mean_capacity();

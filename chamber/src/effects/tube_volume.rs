@@ -2,8 +2,8 @@
 //!
 //! ṁ = Vt/(R Tamb) dP/dt flows into the tube; it leaves the chamber at T and returns at Tamb, so
 //! dP/dt = (dP/dt without tube) / (1 + γ (Vt/V) (Tx/Tamb)), Tx = T while pressure rises, Tamb while it falls.
-//! With a heat capacity that depends on temperature Tamb counts in this by (h(Tamb) − u(T))/cp + T/γ, and where the volume V gives way
-//! to the pressure, V as it does.
+//! Where the heat capacity depends on temperature, Tamb counts in this as (h(Tamb) − u(T))/cp + T/γ; where the volume V depends
+//! on the pressure, V includes that dependence.
 //! Vt  m³, not part of V, Aq, mass or dead volume. Source: isothermal volume, ISO 6358-2 annex (discharge tests).
 
 use super::Effect;
@@ -34,7 +34,7 @@ impl Effect for TubeVolume {
 
     const KINKS: usize = 1;
 
-    /// Direction of the flow into the tube: that of the pressure's rate, relative to the pressure in 1/s.
+    /// Direction of the flow into the tube: the relative rate of the pressure, 1/s.
     fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, rates: &Rates<R>, out: &mut [R]) {
         out[0] = rates.pressure / at.pressure;
     }

@@ -3,7 +3,7 @@
 use super::{CARDS, COUNT, EffectSet, PARAMETER_OFFSETS, PARAMETERS};
 use crate::real::Real;
 
-/// Which effect each parameter is of, as the bit of [`EffectSet::bits`].
+/// The effect that owns each parameter, as its bit of [`EffectSet::bits`].
 const OWNERS: [u32; PARAMETERS] = {
     let mut out = [0; PARAMETERS];
     let mut i = 0;
@@ -38,7 +38,7 @@ impl EffectValues<f64> {
         Self(values)
     };
 
-    /// The same with the effects in `set` at their neutral values.
+    /// These values with the effects in `set` at their neutral values.
     pub fn without(mut self, set: EffectSet) -> Self {
         for place in set.iter() {
             self.of_mut(place).copy_from_slice(Self::NEUTRAL.of(place));
@@ -46,7 +46,7 @@ impl EffectValues<f64> {
         self
     }
 
-    /// The same with the effects in `set` at their typical values.
+    /// These values with the effects in `set` at their typical values.
     pub fn with_typical(mut self, set: EffectSet) -> Self {
         for place in set.iter() {
             self.of_mut(place).iter_mut().zip(CARDS[place].parameters).for_each(|(to, p)| *to = p.typical);
@@ -54,7 +54,7 @@ impl EffectValues<f64> {
         self
     }
 
-    /// The same with an effect, by its place in the list, whose first parameters are these.
+    /// These values with the first parameters of the effect at that index in the list replaced.
     pub fn with(mut self, index: usize, first: &[f64]) -> Self {
         self.of_mut(index)[..first.len()].copy_from_slice(first);
         self
@@ -62,7 +62,7 @@ impl EffectValues<f64> {
 
     /// The effects whose parameters are not all neutral.
     pub fn active(&self) -> EffectSet {
-        // Without branches, as kernels ask this of every row.
+        // Branch-free, because kernels evaluate this for every row.
         let mut bits = 0;
         for (place, owner) in OWNERS.iter().enumerate() {
             bits |= if self.0[place] != Self::NEUTRAL.0[place] { *owner } else { 0 };
@@ -72,12 +72,12 @@ impl EffectValues<f64> {
 }
 
 impl<R: Real> EffectValues<R> {
-    /// The parameters of the effect at that place in the list, in its card's order.
+    /// The parameters of the effect at that index in the list, in its card's order.
     pub fn of(&self, index: usize) -> &[R] {
         &self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     pub fn of_mut(&mut self, index: usize) -> &mut [R] {
         &mut self.0[PARAMETER_OFFSETS[index]..PARAMETER_OFFSETS[index + 1]]
     }

@@ -1,17 +1,17 @@
-//! Wall conduction: the wall is a semi-infinite solid that the heat of the gas diffuses into.
+//! Wall conduction: the wall is a semi-infinite solid into which the heat of the gas diffuses.
 //!
 //! Ts(t) = Tw + (1/e) ∫ q(s) K(t − s) ds,  K(t) = 1/√(π t),  q = λ (T − Ts)
-//! Ts  K  the wall's surface, Tw where other effects put the wall; q  W/m²  heat flux into it; e = √(k ρ c)  W s^½/(m² K)
-//! its effusivity. Source: Carslaw and Jaeger, Conduction of Heat in Solids (1959), section 2.9. Not for a wall so thin
-//! that heat comes through it during the record: `wall_heating`.
+//! Ts  K  the wall's surface; Tw  K  the wall temperature set by other effects; q  W/m²  heat flux into it; e = √(k ρ c)  W
+//! s^½/(m² K) its effusivity. Source: Carslaw and Jaeger, Conduction of Heat in Solids (1959), section 2.9. Not for a wall so
+//! thin that heat passes through it during the record: use `wall_heating`.
 //!
-//! With μ = 5^u the kernel K(t) = (1/π) ∫ √(1/μ) e^(−μt) dμ, taken by the trapezoidal rule in u, is the sum of modes
-//! K(t) = Σ c e^(−μt), μ = 5^j, c = (ln 5/π) √μ. The modes j = −5 … 1 are integrated as they are; one mode stands for all
-//! slower ones (it has Σ c and Σ c μ in common with them), one for all faster ones (Σ c/μ and Σ c/μ²). Each is a state x
-//! with dx/dt = (c/e) q − μ x, and Ts = Tw + Σ x. The fastest has μ = 41 1/s, which an explicit integrator follows
-//! in steps of 0.08 s at most; a fit takes the decays exactly ([`crate::decay`]).
-//! A constant flux warms the surface as 2 √(t/π) within 0.1 % from 0.19 s to 40 min after its start, 1 % from 0.12 s to 3 h
-//! and 3 % from 30 ms on; earlier the surface is behind, by 10 % at 20 ms and 27 % at 10 ms, when it has hardly warmed.
+//! With μ = 5^u the kernel K(t) = (1/π) ∫ √(1/μ) e^(−μt) dμ, discretised by the trapezoidal rule in u, is the sum of modes K(t) =
+//! Σ c e^(−μt), μ = 5^j, c = (ln 5/π) √μ. The modes j = −5 … 1 are integrated individually; one mode replaces all slower ones
+//! (matching their Σ c and Σ c μ), one all faster ones (matching Σ c/μ and Σ c/μ²). Each is a state x with dx/dt = (c/e) q − μ x,
+//! and Ts = Tw + Σ x. The fastest has μ = 41 1/s, which limits an explicit integrator to steps of 0.08 s; a fit integrates the
+//! decays exactly ([`crate::decay`]).
+//! A constant flux warms the surface as 2 √(t/π) within 0.1 % from 0.19 s to 40 min after its start, 1 % from 0.12 s to 3 h and 3
+//! % from 30 ms on; earlier the surface lags, by 10 % at 20 ms and 27 % at 10 ms, when it has hardly warmed.
 
 use super::Effect;
 use crate::card::{Balance, Card, OwnState, Parameter, Unit};
@@ -19,7 +19,7 @@ use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 use core::f64::consts::PI;
 
-/// A wall deeper than heat comes.
+/// A wall thicker than the heat penetrates.
 pub struct WallConduction;
 
 /// Ratio of the rates of neighbouring modes, its square root and its logarithm.
@@ -41,9 +41,9 @@ pub struct Mode {
     pub weight: f64,
 }
 
-/// All modes, the slowest first.
+/// All modes, slowest first.
 pub const KERNEL: [Mode; MODES] = {
-    // Sums over all modes beyond an end are geometric series of these ratios.
+    // Ratios of the geometric series that sum all modes beyond an end.
     let (by_root, by_cube) = (1.0 - 1.0 / ROOT, 1.0 - 1.0 / (ROOT * RATIO));
     let mut modes = [Mode { rate: 0.0, weight: 0.0 }; MODES];
     modes[0].rate = SLOWEST / RATIO * by_root / by_cube;
@@ -119,9 +119,9 @@ impl Effect for WallConduction {
         }
     }
 
-    /// The heat that warms the surface is the less the warmer that is. Where this answer is strong it is what keeps an integrator's steps
-    /// short, and decays taken exactly are no help: of a step in the temperature of the gas it is about (λ/e) √t. A steel wall has
-    /// λ/e = 0.004 s^−½, a plastic one 0.1 s^−½.
+    /// The warmer the surface, the less heat flows into it. Where this feedback is strong it limits an integrator's steps, and
+    /// exact decays do not help: after a step in the gas temperature it is about (λ/e) √t. A steel wall has λ/e = 0.004 s^−½, a
+    /// plastic one 0.1 s^−½.
     fn decays<R: Real>(p: &[R], at: &Conditions<R>, out: &mut [R]) {
         const MOST_FEEDBACK: f64 = 1.0;
         let is_weak = R::from(MOST_FEEDBACK) - p[0] * at.eichelberg;
@@ -140,7 +140,7 @@ impl Effect for WallConduction {
 mod tests {
     use super::*;
 
-    /// The surface's warming a time after a flux began that is constant, and one that grows in proportion to time.
+    /// The surface's warming at a time after the start of a constant flux, and of a flux proportional to time.
     fn warming(t: f64) -> [f64; 2] {
         KERNEL.iter().fold([0.0; 2], |sum, &Mode { rate, weight }| {
             let step = -(-rate * t).exp_m1() / rate;
@@ -148,7 +148,7 @@ mod tests {
         })
     }
 
-    /// Largest relative errors of [`warming`] over times spaced evenly in their logarithm.
+    /// Largest relative errors of [`warming`] over logarithmically spaced times.
     fn errors(from: f64, to: f64) -> [f64; 2] {
         (0..=4000).map(|k| from * (to / from).powf(f64::from(k) / 4000.0)).fold([0.0; 2], |worst, t| {
             let exact = [2.0 * (t / PI).sqrt(), 4.0 / 3.0 * t * (t / PI).sqrt()];
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn each_end_has_the_moments_of_the_modes_it_stands_for() {
-        // Fifty more modes of the trapezoidal rule either side leave less than rounding: Σ c μ^power.
+        // Fifty more modes of the trapezoidal rule on each side leave less than rounding: Σ c μ^power.
         let sum = |power: i32, exponents: std::ops::Range<i32>| -> f64 {
             exponents.map(|j| RATIO.powi(j)).map(|rate| LOGARITHM / PI * rate.sqrt() * rate.powi(power)).sum()
         };

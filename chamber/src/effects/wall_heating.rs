@@ -1,7 +1,7 @@
 //! Wall heating: the wall is a lumped heat capacity that the gas warms and the surroundings cool.
 //!
 //! C_w dTw/dt = −Q̇ + G (Tamb − Tw),  Tw(0) = Tamb
-//! C_w  J/K  capacity of the wall that takes part; G  W/K  conductance from wall to surroundings.
+//! C_w  J/K  participating heat capacity of the wall; G  W/K  conductance from wall to surroundings.
 //! C_w = 0 means off: the wall stays at ambient temperature, as in the paper. Source: lumped-capacity model,
 //! e.g. Incropera et al., Fundamentals of Heat and Mass Transfer, chapter 5.
 
@@ -13,7 +13,7 @@ use crate::real::Real;
 /// Lumped wall capacity.
 pub struct WallHeating;
 
-/// A number over the wall's capacity; zero where that is off.
+/// `number` over the wall's capacity; zero where the effect is off.
 #[inline(always)]
 fn by_capacity<R: Real>(p: &[R], number: R) -> R {
     let capacity = p[0];

@@ -1,7 +1,7 @@
 //! Warm wall: the wall is warmer than the surroundings, at Tamb + ΔT, as beside a hot machine or in the sun.
 //!
-//! ΔT in K, either sign. Gas and wall at rest have this temperature, before a test too. Beside an effect that moves the
-//! wall's temperature ΔT is added to it.
+//! ΔT in K, either sign. Gas and wall have this temperature at rest, also before a test. Combined with an effect that changes the
+//! wall's temperature, ΔT is added.
 
 use super::Effect;
 use crate::card::{Balance, Card, ClosedForm, Normal, Parameter, Prior, Unit};

@@ -1,4 +1,4 @@
-//! Any chamber, and anything that its surroundings may impose on it.
+//! Arbitrary chambers and arbitrary inputs from their surroundings.
 
 use chamber::balance::Boundary;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};

@@ -1,9 +1,8 @@
-//! What every C function shares, whatever the version of FMI: pointers checked and turned into slices, panics kept from
-//! the host, messages handed over once no reference to the instance is held.
+//! Shared by all C functions of every FMI version: checks pointers and turns them into slices, keeps panics from the host, and
+//! delivers messages once no reference to the instance is held.
 //!
-//! An instance that broke down answers with an error until it is reset; all others live on. Refusals are always reported,
-//! unless the host chose categories without them; events only where logging is on. A logger may call back into the
-//! instance it hears of.
+//! After a panic an instance returns errors until it is reset; other instances are not affected. Refusals are always reported,
+//! unless the host selected categories without them; events only if logging is on. A logger may call back into the instance.
 
 #![allow(unsafe_code)]
 
@@ -21,51 +20,51 @@ use std::any::Any;
 use std::ffi::{CStr, CString, c_char, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// A C enumeration without negative members, such as the status that functions return.
+/// A C enumeration without negative members, such as the status returned by functions.
 pub type CEnum = c_uint;
-/// What a call comes to.
+/// Result of a call.
 pub type Result<T> = std::result::Result<T, Refusal>;
 
 /// The start values; the packager overwrites them in the library's file.
 static START_VALUES: [u8; start_values::LENGTH] = start_values::AS_BUILT;
 
-/// Start values and guid of this library; `None` where they are damaged.
+/// Start values and guid of this library; `None` if damaged.
 fn of_library() -> Option<Block> {
-    // SAFETY: the pointer is that of a static array. Volatile, since the packager changes these bytes after compilation.
+    // SAFETY: the pointer is to a static array. Volatile, because the packager changes these bytes after compilation.
     let block = unsafe { std::ptr::read_volatile(&raw const START_VALUES) };
     Block::decode(&block)
 }
 
-/// A host's logger, in a version of FMI. A copy of it stays valid when the instance is gone.
+/// A host's logger, for one FMI version. A copy of it remains valid after the instance is freed.
 pub trait Listener: Clone {
-    /// A message in the words of that version; it is written in those of FMI 2.0.
+    /// Rewords a message from the terms of FMI 2.0 to those of this version.
     fn words(text: &str) -> String {
         text.to_owned()
     }
 
-    /// A refusal in the terms of that version; it is made in those of FMI 2.0.
+    /// Converts a refusal from the terms of FMI 2.0 to those of this version.
     fn terms(refusal: Refusal) -> Refusal {
         refusal
     }
 
-    /// Hands a message over.
+    /// Delivers a message.
     ///
     /// # Safety
-    /// The host's function and pointers must be valid, as the standard asks of it.
+    /// The host's function and pointers must be valid, as the standard requires.
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr);
 }
 
-/// What the host holds as its component or instance.
+/// The object behind the host's component or instance pointer.
 pub struct Component<L> {
     listener: L,
     wanted: [bool; Category::ALL.len()],
-    /// What the calls are made on, once their pointers are checked.
+    /// The instance on which calls operate, after their pointers are checked.
     pub instance: Instance,
     broken: bool,
 }
 
 impl<L: Listener> Component<L> {
-    /// Runs `call`; its status, and the messages that the host wants to hear.
+    /// Runs `call`; returns its status and the messages that the host wants.
     fn run(&mut self, function: &str, call: &mut dyn FnMut(&mut Self) -> Result<()>) -> (Status, Vec<Message>) {
         let outcome = catch_unwind(AssertUnwindSafe(|| if self.broken { Err(Refusal::Broken) } else { call(self) }));
         let mut messages = self.instance.messages();
@@ -94,7 +93,7 @@ impl<L: Listener> Component<L> {
         (status, messages)
     }
 
-    /// Chooses what the host hears of: no categories means all.
+    /// Selects the messages that the host receives; no categories means all.
     ///
     /// # Errors
     /// Categories that the model description does not declare.
@@ -114,7 +113,7 @@ impl<L: Listener> Component<L> {
     }
 }
 
-/// Chooses what the host hears of.
+/// Selects the messages that the host receives.
 ///
 /// # Safety
 /// As for [`guarded`]; `categories` points to `n` texts.
@@ -137,7 +136,7 @@ pub unsafe fn choose<L: Listener>(
     }
 }
 
-/// Completes an integrator step; no event follows from its completion, and no end.
+/// Completes an integrator step, which never causes an event or the end of the simulation.
 ///
 /// # Safety
 /// Both pointers are NULL or places for a flag.
@@ -154,14 +153,14 @@ pub unsafe fn completed_step<F: Default>(
     Ok(())
 }
 
-/// The words of a panic.
+/// The message of a panic.
 fn said(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
-/// Runs `call` on the component; tells its messages; keeps a panic from the host. The call is `dyn`, so that this is compiled
-/// once for all functions of a version of FMI rather than into each of them.
+/// Runs `call` on the component, delivers its messages, and keeps a panic from the host. The call is `dyn`, so that this is
+/// compiled once per FMI version rather than into each function.
 ///
 /// # Safety
 /// `c` is NULL or a component of [`instantiate`] with this listener that has not been freed, in use by no other thread.
@@ -183,8 +182,8 @@ pub unsafe fn guarded<L: Listener>(
     status as CEnum
 }
 
-/// C functions of a version of FMI, whose `Host` is in scope: what each does with the instance behind the component `c`,
-/// its first argument. Each returns the status that [`guarded`] gives.
+/// Defines the C functions of an FMI version, whose `Host` is in scope: each one's action on the instance behind the component
+/// `c`, its first argument. Each returns the status from [`guarded`].
 macro_rules! c_functions {
     ($(
         $(#[$doc:meta])+
@@ -193,7 +192,7 @@ macro_rules! c_functions {
         $(#[$doc])+
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $function(c: *mut c_void, $($argument: $of),*) -> CEnum {
-            // SAFETY: the host's component, places, arrays and texts, as the standard has them.
+            // SAFETY: the host's component, pointers, arrays and texts, as the standard requires.
             unsafe {
                 boundary::guarded::<Host>(c, stringify!($function), &mut |component| {
                     let $instance = &mut component.instance;
@@ -205,7 +204,7 @@ macro_rules! c_functions {
 }
 pub(crate) use c_functions;
 
-/// Resets the component, also after a break-down.
+/// Resets the component, also after a panic.
 ///
 /// # Safety
 /// As for [`guarded`].
@@ -222,7 +221,7 @@ pub unsafe fn reset<L: Listener>(c: *mut c_void) -> CEnum {
     unsafe { guarded(c, "fmi2Reset", &mut reset) }
 }
 
-/// Makes a component; its listener hears why not.
+/// Creates a component; on failure its listener receives the reason.
 ///
 /// # Safety
 /// The listener must be valid.
@@ -267,26 +266,26 @@ pub unsafe fn instantiate<L: Listener>(
     std::ptr::null_mut()
 }
 
-/// Frees a component; NULL is none.
+/// Frees a component; ignores NULL.
 ///
 /// # Safety
 /// As for [`guarded`]; the component is gone afterwards.
 pub unsafe fn free<L>(c: *mut c_void) {
     if !c.is_null() {
-        // SAFETY: it was made by `Box::into_raw` in `instantiate`, and the host frees it once.
+        // SAFETY: created by `Box::into_raw` in `instantiate`, and freed once by the host.
         let component = AssertUnwindSafe(unsafe { Box::from_raw(c.cast::<Component<L>>()) });
         let _ = catch_unwind(|| drop(component));
     }
 }
 
-/// Hands a message to the host, in the words of its version of FMI.
+/// Delivers a message to the host, worded for its FMI version.
 unsafe fn tell<L: Listener>(listener: &L, message: &Message) {
     let text = L::words(&message.text);
     // SAFETY: as the caller promises.
     unsafe { listener.hear(message.status, &c_string(message.category.name()), &c_string(&text)) };
 }
 
-/// Text for C, without what C cannot hold.
+/// Text as a C string, without NUL characters.
 pub fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! A host's pointers as slices, references and text, checked as far as they can be.
+//! Converts a host's pointers to slices, references and text, with all possible checks.
 
 use super::Result;
 use crate::protocol::refusal::Refusal;
@@ -6,13 +6,13 @@ use std::ffi::{CStr, c_char};
 use std::ptr::NonNull;
 use std::slice;
 
-/// Elements that one call may have: far more than there are variables.
+/// Limit of elements in one call: far more than there are variables.
 const LONGEST: usize = 1 << 20;
 
-/// The `length` elements at `data`; none when the length is zero, whatever the pointer.
+/// The `length` elements at `data`; empty if the length is zero, whatever the pointer.
 ///
 /// # Safety
-/// A `data` that is neither NULL nor misaligned points to so many elements, which outlive `'a` and are not written to.
+/// A `data` that is neither NULL nor misaligned points to `length` elements, which outlive `'a` and are not written to.
 pub unsafe fn elements<'a, T>(data: *const T, length: usize, argument: &'static str) -> Result<&'a [T]> {
     if length == 0 {
         return Ok(&[]);
@@ -23,11 +23,11 @@ pub unsafe fn elements<'a, T>(data: *const T, length: usize, argument: &'static 
     if data.is_null() || !data.is_aligned() {
         return Err(Refusal::Null { argument });
     }
-    // SAFETY: not NULL, aligned, and as long as the caller says.
+    // SAFETY: not NULL, aligned, and as long as the caller promises.
     Ok(unsafe { slice::from_raw_parts(data, length) })
 }
 
-/// As [`elements`], to be written.
+/// As [`elements`], writable.
 ///
 /// # Safety
 /// As for [`elements`], and nothing else refers to them.
@@ -35,11 +35,11 @@ pub unsafe fn elements_mut<'a, T>(data: *mut T, length: usize, argument: &'stati
     // SAFETY: as the caller promises.
     unsafe { elements(data, length, argument)? };
     let data = NonNull::new(data).filter(|_| length > 0).unwrap_or(NonNull::dangling());
-    // SAFETY: checked above; a slice of no length may dangle.
+    // SAFETY: checked above; a slice of length zero may dangle.
     Ok(unsafe { slice::from_raw_parts_mut(data.as_ptr(), length) })
 }
 
-/// Where a function writes one value.
+/// A reference to where a function writes one value.
 ///
 /// # Safety
 /// As for [`elements_mut`] with one element.

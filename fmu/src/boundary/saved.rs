@@ -1,11 +1,11 @@
-//! Saved states for the host, alike in every version of FMI: a handle is the address of a copy that the instance keeps, and
-//! is only ever compared.
+//! Saved states for the host, the same for all FMI versions: a handle is the address of a copy kept by the instance, and is only
+//! ever compared.
 
 use super::{Instance, Refusal, Result, place};
 use std::ffi::c_void;
 use std::slice;
 
-/// Saves the present state behind a handle, a new one or the one that is there.
+/// Saves the present state under a new or the given handle.
 ///
 /// # Safety
 /// `state` is NULL or a place for a handle.
@@ -29,7 +29,7 @@ pub unsafe fn free(instance: &mut Instance, state: *mut *mut c_void) -> Result<(
     Ok(())
 }
 
-/// Length of a saved state as bytes.
+/// Length of a saved state in bytes.
 ///
 /// # Safety
 /// `size` is NULL or a place for a number.
@@ -57,7 +57,7 @@ pub unsafe fn serialize(instance: &Instance, state: *mut c_void, bytes: *mut u8,
     Ok(())
 }
 
-/// Reads a state from bytes and keeps it behind a handle.
+/// Restores a state from bytes and keeps it under a handle.
 ///
 /// # Safety
 /// As for [`serialize`]; `state` is NULL or a place for a handle.

@@ -1,4 +1,4 @@
-//! The words of FMI 2.0 in `modelDescription.xml`.
+//! The FMI 2.0 dialect of `modelDescription.xml`.
 
 use crate::description::{self, Attributes, Description, Dialect, dependencies, items, of_enumeration};
 use crate::identity::Identity;
@@ -11,12 +11,12 @@ use crate::table::variable::{Enumeration, Type, Variable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 
-/// Renders the description of a chamber with these start values. `generated` is a UTC time as in 2026-01-31T12:00:00Z.
+/// Renders the description of a chamber with these start values. `generated` is a UTC time such as 2026-01-31T12:00:00Z.
 pub fn render(identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
     description::render::<Fmi2>(identity, starts, generated)
 }
 
-/// Variables and their places are counted from one.
+/// Variables and their indices are counted from one.
 const FIRST: usize = 1;
 
 struct Fmi2;

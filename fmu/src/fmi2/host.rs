@@ -1,4 +1,4 @@
-//! The host's side of an instance in FMI 2.0: its callbacks, of which only the logger is used.
+//! The host of an FMI 2.0 instance: its callbacks, of which only the logger is used.
 
 #![allow(unsafe_code)]
 
@@ -14,19 +14,19 @@ pub type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, CEnum,
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct Callbacks {
-    /// Gets refusals, warnings and events; where it is NULL nobody does.
+    /// Receives refusals, warnings and events; may be NULL.
     pub logger: Logger,
-    /// The FMU uses memory of its own.
+    /// Not used: the FMU allocates its own memory.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
-    /// The FMU uses memory of its own.
+    /// Not used: the FMU allocates its own memory.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
-    /// Not used: steps are done when fmi2DoStep returns.
+    /// Not used: steps are complete when fmi2DoStep returns.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, CEnum)>,
-    /// Handed to the logger.
+    /// Passed to the logger.
     pub component_environment: *mut c_void,
 }
 
-/// `fmi2EventInfo`: what an event changed and, s, when the next one is.
+/// `fmi2EventInfo`: what an event changed and the time of the next one, s.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 #[allow(missing_docs, reason = "the standard's names")]
@@ -39,7 +39,7 @@ pub struct EventInfo {
     pub next_event_time: f64,
 }
 
-/// The host of one instance: callbacks and instance name, copied.
+/// The host of one instance: a copy of its callbacks and the instance name.
 #[derive(Clone)]
 pub struct Host {
     callbacks: Callbacks,
@@ -47,7 +47,7 @@ pub struct Host {
 }
 
 impl Host {
-    /// A host with these callbacks of an instance with that name.
+    /// A host with these callbacks, for the instance with that name.
     pub fn new(callbacks: Callbacks, name: &str) -> Self {
         Self { callbacks, name: c_string(name).into() }
     }
@@ -56,7 +56,7 @@ impl Host {
 impl Listener for Host {
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(logger) = self.callbacks.logger else { return };
-        // SAFETY: the host's function, with pointers that live until it returns; the text is an argument of "%s".
+        // SAFETY: the host's function, with pointers valid until it returns; the text is an argument of "%s".
         unsafe {
             logger(
                 self.callbacks.component_environment,

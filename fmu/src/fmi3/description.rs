@@ -1,4 +1,4 @@
-//! The words of FMI 3.0 in `modelDescription.xml`.
+//! The FMI 3.0 dialect of `modelDescription.xml`.
 
 use super::{indicator_references, time_reference};
 use crate::description::{self, Attributes, Description, Dialect, dependencies, items, of_enumeration};
@@ -12,7 +12,7 @@ use crate::table::variable::{Enumeration, Type, Variable};
 use crate::xml::{line, number};
 use std::fmt::Write;
 
-/// Renders the description of a chamber with these start values. `generated` is a UTC time as in 2026-01-31T12:00:00Z.
+/// Renders the description of a chamber with these start values. `generated` is a UTC time such as 2026-01-31T12:00:00Z.
 pub fn render(identity: &Identity, starts: &Starts, generated: Option<&str>) -> Description {
     description::render::<Fmi3>(identity, starts, generated)
 }
@@ -78,7 +78,7 @@ impl Dialect for Fmi3 {
         line(xml, 4, tag, &attributes, true);
     }
 
-    /// The variables that FMI 2.0 does not have: the time and the event indicators.
+    /// The variables that FMI 2.0 lacks: the time and the event indicators.
     fn further_variables(xml: &mut String) {
         let time = [
             ("name", "time".to_owned()),

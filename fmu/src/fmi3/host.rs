@@ -1,4 +1,4 @@
-//! The host's side of an instance in FMI 3.0: its logger.
+//! The host of an FMI 3.0 instance: its logger.
 
 #![allow(unsafe_code)]
 
@@ -14,9 +14,9 @@ pub type LogMessage = Option<unsafe extern "C" fn(*mut c_void, CEnum, *const c_c
 /// The host of one instance.
 #[derive(Clone)]
 pub struct Host {
-    /// Handed to the logger.
+    /// Passed to the logger.
     pub environment: *mut c_void,
-    /// Gets refusals, warnings and events; where it is NULL nobody does.
+    /// Receives refusals, warnings and events; may be NULL.
     pub log: LogMessage,
 }
 
@@ -45,7 +45,7 @@ impl Listener for Host {
 
     unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(log) = self.log else { return };
-        // SAFETY: the host's function, with pointers that live until it returns.
+        // SAFETY: the host's function, with pointers valid until it returns.
         unsafe { log(self.environment, status as CEnum, category.as_ptr(), text.as_ptr()) };
     }
 }

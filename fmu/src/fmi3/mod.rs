@@ -1,6 +1,6 @@
-//! FMI 3.0: the C functions, the model description and the terminals, beside FMI 2.0 and from the same table of variables.
+//! FMI 3.0: the C functions, the model description and the terminals, from the same table of variables as FMI 2.0.
 //!
-//! A variable's value reference is its place in the table, as in FMI 2.0; behind the table follow the time and the event
+//! A variable's value reference is its index in the table, as in FMI 2.0; after the table follow the time and the event
 //! indicators, which are variables in FMI 3.0.
 
 pub mod abi;
@@ -24,7 +24,7 @@ pub fn indicator_references() -> std::ops::Range<u32> {
     first..first + CORNERS as u32
 }
 
-/// Name of a variable behind those of the table, which only FMI 3.0 has.
+/// Name of a variable after those of the table, which only FMI 3.0 has.
 pub fn further_variable(reference: u32) -> Option<&'static str> {
     if reference == time_reference() {
         Some("time")

@@ -1,11 +1,11 @@
-//! `terminalsAndIcons.xml`: the ports, the piston and the wall as terminals, and where they lie on the icon.
+//! `terminalsAndIcons.xml`: the ports, the piston and the wall as terminals, and their positions on the icon.
 
 use std::fmt::Write;
 
-/// The icon's side, in units of its coordinate system.
+/// Side length of the icon, in its coordinate system.
 const SIDE: f64 = 200.0;
 
-/// A terminal: name, description, where it lies on the icon, and its variables with what they are in it.
+/// A terminal: name, description, position on the icon, and its variables with their member names and kinds.
 type Terminal = (&'static str, &'static str, [f64; 2], &'static [(&'static str, &'static str, &'static str)]);
 
 const TERMINALS: [Terminal; 4] = [

@@ -1,4 +1,4 @@
-//! The FMU's documentation: a page with equations, variables and a worked example, a picture, the licences.
+//! The FMU's documentation: a page with equations, variables and a worked example, a picture, and the licences.
 
 use super::validation::Validation;
 use crate::identity::Identity;
@@ -22,20 +22,20 @@ const LICENSES: [(&str, &str); 3] = [
     ("licenses/THIRD-PARTY.md", include_str!("../../../THIRD-PARTY.md")),
 ];
 
-/// Where a model's numbers come from. SI units.
+/// Origin of a model's numbers. SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
-    /// What a diagnosis said of the model, in a sentence.
+    /// The diagnosis's verdict on the model, as a sentence.
     pub verdict: Option<String>,
-    /// Error against the record, Pa rms, of the paper's model and of this one.
+    /// Error relative to the record, Pa rms, of the paper's model and of this one.
     pub error_pa: Option<[f64; 2]>,
-    /// 95 % intervals, by the names of the parameters in the FMU.
+    /// 95 % intervals, by parameter names of the FMU.
     pub intervals: Vec<(String, [f64; 2])>,
-    /// Records that it was identified from.
+    /// Records used for the identification.
     pub records: Vec<String>,
 }
 
-/// Files of the documentation with that page, by name within its folder.
+/// Files of the documentation with that page, by name within their folder.
 pub fn files(page: String) -> Vec<(&'static str, Vec<u8>)> {
     let mut files = vec![("index.html", page.into_bytes()), ("chamber.svg", PICTURE.into())];
     files.extend(LICENSES.map(|(name, text)| (name, text.into())));
@@ -58,7 +58,7 @@ pub fn page(identity: &Identity, start: &Starts, about: &About, validations: &[V
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
 }
 
-/// Where the numbers come from, in HTML.
+/// Origin of the numbers, in HTML.
 fn origin(about: &About, validations: &[Validation]) -> String {
     let mut text = String::new();
     if *about == About::default() {

@@ -1,6 +1,6 @@
-//! The reference experiments inside an FMU, in the form of the FMI layered standard for reference experiments (FMI-LS-REF,
-//! beta of 2026): a push and hold with the result that this model gives, and the measured records that it was validated on.
-//! An importer replays them to see whether it finds the same numbers. The FMU runs the first by itself where its host sets
+//! The reference experiments inside an FMU, in the form of the FMI layered standard for reference experiments (FMI-LS-REF, beta
+//! of 2026): a push and hold with the result of this model, and the measured records it was validated on. An importer replays
+//! them to compare its numbers. The FMU runs the first by itself if its host sets nothing.
 //! nothing.
 
 use super::related::{CSV, Related};
@@ -11,14 +11,14 @@ use crate::plant::values::{Starts, input, output};
 use crate::xml::line;
 use std::fmt::Write;
 
-/// Folder of the layered standard within the FMU.
+/// Folder of the layered standard inside the FMU.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
-/// Steps of the push.
+/// Number of steps of the push.
 const PUSH_STEPS: u32 = 10;
-/// Steps of push and hold.
+/// Number of steps of push and hold.
 const STEPS: u32 = PUSH_STEPS * (EXPERIMENT_S / PUSH_S) as u32;
 
-/// Files of the experiments, by name within [`FOLDER`]; none where the start values make no chamber.
+/// Files of the experiments, by name within [`FOLDER`]; none if the start values are inconsistent.
 pub fn files(starts: &Starts, validations: &[Validation]) -> Vec<(String, String)> {
     let Some(mut related) = push_and_hold(starts) else { return Vec::new() };
     related.extend((1..).zip(validations).flat_map(|(number, one)| validation::files(one, number)));
@@ -47,7 +47,7 @@ fn manifest(related: &[Related]) -> String {
     xml + "</fmiReferences>\n"
 }
 
-/// The push and hold, and the result that these start values give.
+/// The push and hold, and its result with these start values.
 fn push_and_hold(starts: &Starts) -> Option<Vec<Related>> {
     Some(vec![
         Related {
@@ -74,7 +74,7 @@ fn time(step: u32) -> f64 {
     f64::from(step) * PUSH_S / f64::from(PUSH_STEPS)
 }
 
-/// The stroke of the default experiment: linear between rows, two rows where the speed jumps.
+/// The stroke of the default experiment: linear between rows, with two rows where the speed jumps.
 fn inputs(starts: &Starts) -> String {
     let mut text = String::from("time,position,velocity\n");
     for (step, leader) in
@@ -86,7 +86,7 @@ fn inputs(starts: &Starts) -> String {
     text
 }
 
-/// What the FMU gives for it.
+/// The FMU's result for this stroke.
 fn result(starts: &Starts) -> Option<String> {
     let mut simulation = Simulation::new(starts, Kind::CoSimulation);
     simulation.begin().ok()?;

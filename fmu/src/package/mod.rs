@@ -1,4 +1,4 @@
-//! The FMU as a file: a zip of description, documentation, icon, licences and the library of each platform at hand.
+//! The FMU as a file: a zip of description, documentation, icon, licences and the library of each available platform.
 //! The same inputs give the same bytes.
 
 pub mod documentation;
@@ -23,18 +23,18 @@ use validation::Validation;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A library as built, for one platform.
+/// A compiled library for one platform.
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {
     /// Folder under `binaries/`: `linux64`, `win64`, …
     pub platform: &'a str,
     /// File name extension without the dot.
     pub extension: &'a str,
-    /// The library, whole, with its block of start values as built.
+    /// The complete library, with its block of start values as compiled.
     pub bytes: &'a [u8],
 }
 
-/// Which version of FMI an FMU is for; one library serves both.
+/// FMI version of an FMU; one library serves both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.5, which most tools import.
@@ -52,7 +52,7 @@ impl Version {
         }
     }
 
-    /// A platform's folder under `binaries/`, given its name in FMI 2.0.
+    /// Folder of a platform under `binaries/`, given its name in FMI 2.0.
     fn folder(self, platform: &str) -> String {
         let tuple = match (self, platform) {
             (Version::Two, _) => return platform.to_owned(),
@@ -65,48 +65,48 @@ impl Version {
     }
 }
 
-/// What goes into an FMU.
+/// Contents of an FMU.
 #[derive(Clone, Copy, Debug)]
 pub struct Contents<'a> {
-    /// For which version of FMI.
+    /// FMI version.
     pub version: Version,
-    /// Whose model it is.
+    /// Identity of the model.
     pub identity: &'a Identity,
-    /// What its documentation says of where the numbers come from.
+    /// Origin of the numbers, for the documentation.
     pub about: &'a About,
     /// Start values of inputs and parameters, SI units.
     pub starts: &'a Starts,
-    /// Measured records that go with the model, as reference experiments.
+    /// Measured records for the model, as reference experiments.
     pub validations: &'a [Validation],
-    /// UTC time of generation, as in 2026-01-31T12:00:00Z.
+    /// UTC time of generation, such as 2026-01-31T12:00:00Z.
     pub generated: Option<&'a str>,
-    /// The model file it is made from, kept in the FMU's resources.
+    /// The model file it is made from, stored in the FMU's resources.
     pub model_file: Option<&'a [u8]>,
     /// Libraries, at least one.
     pub libraries: &'a [Library<'a>],
 }
 
-/// Why no FMU could be made. Values are in the SI unit; a platform is its folder under `binaries/`.
+/// Why packaging an FMU failed. Values are in the SI unit; a platform is its folder under `binaries/`.
 #[allow(missing_docs)]
 #[derive(Debug, Error)]
 pub enum PackageError {
-    /// A start value that the FMU itself would refuse.
+    /// A start value that the FMU would refuse.
     #[error("{name} = {value}{of} cannot be a start value: it must lie within {min} to {max}{of}", of = behind(unit))]
     StartValue {
         name: &'static str,
         value: f64,
         unit: &'static str,
-        /// The smallest that `fmi2SetReal` takes.
+        /// Lower bound of `fmi2SetReal`.
         min: f64,
         max: f64,
     },
-    /// An FMU without a library runs nowhere.
+    /// No library is available.
     #[error("no library for any platform is at hand")]
     NoLibrary,
-    /// A library that cannot take start values.
+    /// A library whose start values cannot be written.
     #[error("the library for {platform}: {cause}")]
     Library { platform: String, cause: BlockError },
-    /// A library that cannot be signed anew.
+    /// A library that cannot be re-signed.
     #[error("the library for {platform}: {cause}")]
     Signature { platform: String, cause: SignatureError },
     /// The zip cannot hold an entry.

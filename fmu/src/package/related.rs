@@ -1,4 +1,4 @@
-//! Files that belong to a reference experiment.
+//! Files of a reference experiment.
 
 /// A file of an experiment.
 pub struct Related {
@@ -6,9 +6,9 @@ pub struct Related {
     pub media: &'static str,
     /// Name within the layered standard's folder.
     pub name: String,
-    /// What it is to the experiment, as FMI-LS-REF names it.
+    /// Its role in the experiment, as named by FMI-LS-REF.
     pub role: &'static str,
-    /// What the file holds, in a sentence for people.
+    /// What the file contains, as a sentence.
     pub description: String,
     /// Its content: XML, or a table with a header line.
     pub text: String,

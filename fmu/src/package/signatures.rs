@@ -1,9 +1,9 @@
-//! Signing a macOS library anew, after its start values were written.
+//! Re-signs a macOS library after its start values were written.
 //!
-//! Apple silicon runs no code without a signature. The linker gives each library one that names no person ("ad hoc"): a
-//! code directory with the SHA-256 of every page of the file. Writing start values changes one page or two; their hashes
-//! are replaced here, which is all that signing the library again would do. Source: Apple's `cs_blobs.h` and
-//! `mach-o/loader.h`; numbers of the signature are big-endian, those of the library little-endian.
+//! Apple silicon runs no code without a signature. The linker gives each library an anonymous ("ad hoc") one: a code directory
+//! with the SHA-256 of every page of the file. Writing start values changes one or two pages; replacing their hashes here is
+//! equivalent to signing the library again. Source: Apple's `cs_blobs.h` and `mach-o/loader.h`; numbers of the signature are
+//! big-endian, those of the library little-endian.
 
 use sha2::{Digest, Sha256};
 use std::ops::Range;
@@ -19,21 +19,21 @@ const CMS_SIGNATURE: u32 = 0xfade_0b01;
 const SHA256: u8 = 2;
 const HASH_LENGTH: usize = 32;
 
-/// Why a library cannot be signed anew.
+/// Why a library cannot be re-signed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum SignatureError {
-    /// Something is not where the file says it is.
+    /// A structure is missing or out of place.
     #[error("its code signature cannot be read: the file is damaged")]
     Damaged,
-    /// A certificate's, which only its owner can renew.
+    /// A signature with a certificate, which only its owner can renew.
     #[error(
         "it is signed with a certificate or with other hashes than SHA-256: take the library as the linker made it"
     )]
     NotAdHoc,
 }
 
-/// Renews the hashes of the pages that hold a change of `length` bytes at each of the places, in every architecture of the
-/// library. A file that is no Mach-O library, or has no signature, stays as it is.
+/// Renews the hashes of the pages with a change of `length` bytes at each of the offsets, for every architecture of the library.
+/// A file that is no Mach-O library, or has no signature, is unchanged.
 ///
 /// # Errors
 /// A signature that is damaged or not of the linker's kind.
@@ -51,7 +51,7 @@ pub fn sign(library: &mut [u8], places: &[usize], length: usize) -> Result<(), S
     Ok(())
 }
 
-/// Where the libraries of the architectures lie in the file.
+/// Ranges of the architectures' libraries in the file.
 fn slices(file: &[u8]) -> Result<Vec<Range<usize>>, SignatureError> {
     if file.len() < HEADER_LENGTH {
         return Ok(Vec::new());
@@ -73,11 +73,11 @@ fn slices(file: &[u8]) -> Result<Vec<Range<usize>>, SignatureError> {
 
 /// The linker's code directory in one architecture's library.
 struct CodeDirectory {
-    /// Place of the first page's hash.
+    /// Offset of the first page's hash.
     hashes: usize,
-    /// Bytes of a page.
+    /// Page size, bytes.
     page: usize,
-    /// Bytes that are hashed: all before the signature.
+    /// Number of bytes hashed: all before the signature.
     limit: usize,
 }
 
@@ -93,7 +93,7 @@ impl CodeDirectory {
             match big(library, blob)? {
                 CODE_DIRECTORY if found.is_none() => found = Some(Self::at(library, blob)?),
                 CODE_DIRECTORY => return Err(SignatureError::NotAdHoc),
-                // codesign adds an empty one to what it signs ad hoc.
+                // codesign adds an empty one when signing ad hoc.
                 CMS_SIGNATURE if big(library, blob + 4)? > 8 => return Err(SignatureError::NotAdHoc),
                 _ => {}
             }
@@ -125,7 +125,7 @@ impl CodeDirectory {
     }
 }
 
-/// Place of the signature in a library, from its load commands.
+/// Offset of the signature in a library, from its load commands.
 fn signature(library: &[u8]) -> Result<Option<usize>, SignatureError> {
     let mut command = HEADER_LENGTH;
     for _ in 0..little(library, 16)? {
@@ -155,7 +155,7 @@ mod tests {
 
     const PAGE: usize = 4096;
 
-    /// A library of `code` bytes, signed as the linker does: header, one load command, code, signature.
+    /// A library of `code` bytes, signed as by the linker: header, one load command, code, signature.
     fn signed(code: usize) -> Vec<u8> {
         let mut file: Vec<u8> = (0..code).map(|i| (i * i % 251) as u8).collect();
         let count = code.div_ceil(PAGE);
@@ -179,7 +179,7 @@ mod tests {
         let mut library = signed(3 * PAGE + 100);
         let fresh = library.clone();
         let hashes = 3 * PAGE + 100 + 20 + 52;
-        // Over a page's end, and in the last page, which is not whole.
+        // Across a page boundary, and in the last page, which is partial.
         for change in [PAGE - 3..PAGE + 3, 3 * PAGE + 90..3 * PAGE + 100] {
             library[change.clone()].fill(1);
             sign(&mut library, &[change.start], change.len()).unwrap();

@@ -1,33 +1,33 @@
-//! A measured record inside an FMU: the stroke as inputs, the start values that go with it, the measured pressure as
-//! the expected result.
+//! A measured record inside an FMU: the stroke as inputs, the matching start values, and the measured pressure as the expected
+//! result.
 
 use super::related::{CSV, Related};
 use crate::xml::line;
 use std::fmt::Write;
 
-/// A record that the model was compared with. SI units; times from the record's first row.
+/// A record compared with the model. SI units; times are relative to the record's first row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
     /// Name of its file, without the folder.
     pub record: String,
-    /// Whether the model was identified from it.
+    /// Whether the record was used for the identification.
     pub took_part: bool,
-    /// Error of the model over the record, Pa rms.
+    /// Error of the model on the record, Pa rms.
     pub error_pa: f64,
-    /// Start values, by the FMU's names of the parameters.
+    /// Start values, by parameter names of the FMU.
     pub start: Vec<(&'static str, f64)>,
     /// Times of the inputs, s.
     pub input_time_s: Vec<f64>,
-    /// The inputs, by their names in the FMU.
+    /// The inputs, by names of the FMU.
     pub inputs: Vec<(&'static str, Vec<f64>)>,
     /// Times of the record's rows, s.
     pub time_s: Vec<f64>,
-    /// What the sensor showed, Pa.
+    /// Sensor readings, Pa.
     pub pressure_pa: Vec<f64>,
 }
 
 impl Validation {
-    /// The record, the error of the model on it, and whether the record took part in the identification.
+    /// The record, the error of the model on it, and whether the record was used for the identification.
     pub fn summary(&self) -> String {
         let part =
             if self.took_part { "the model was identified from it" } else { "it took no part in the identification" };
@@ -35,7 +35,7 @@ impl Validation {
     }
 }
 
-/// Its files; `number` tells the records of an FMU apart.
+/// Its files; `number` distinguishes the records of an FMU.
 pub fn files(one: &Validation, number: usize) -> [Related; 3] {
     let duration = one.time_s.last().copied().unwrap_or(0.0);
     let step = 1e3 * duration / (one.time_s.len().max(2) - 1) as f64;

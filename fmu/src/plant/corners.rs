@@ -1,8 +1,8 @@
-//! Where the equations have corners, as event indicators: functions of order one that change sign there.
+//! Corners of the equations as event indicators: functions of order one that change sign there.
 //!
-//! Directions of the flows and ports, choking, the ends of the stroke, and each effect's own corners. An indicator that
-//! rests at its corner would announce an event at each step; so each has a dead band, kept on the side where it was when
-//! the last event was handled: z = f + ε above, f − ε below.
+//! They cover the directions of flows and ports, choking, the ends of the stroke, and each effect's own corners. An indicator
+//! that rests at its corner would signal an event at each step; each therefore has a dead band, on the side it was on when the
+//! last event was handled: z = f + ε above, f − ε below.
 
 use super::rates::Moment;
 use super::states::ALL;
@@ -11,32 +11,32 @@ use super::values::{INPUTS, input};
 use chamber::effects::{self, iso6358};
 use chamber::real::Real;
 
-/// Places among the indicators: both mass flows, both ports, both ends of the stroke, then the effects'.
+/// Index ranges of the indicators: both mass flows, both ports, both ends of the stroke, then the effects.
 const PORTS: usize = 2;
 const ENDS: usize = PORTS + 2 * iso6358::KINKS;
 const EFFECTS: usize = ENDS + 3;
 /// Number of event indicators.
 pub const CORNERS: usize = EFFECTS + effects::KINKS;
 
-/// Flow at which a mass flow's direction counts as of order one, kg/s.
+/// Scale of the mass flows' indicators, kg/s.
 const NOMINAL_FLOW: f64 = 1e-3;
-/// The dead band as a share of the tolerance.
+/// Width of the dead band as a fraction of the tolerance.
 const BAND: f64 = 0.1;
 
-/// Where a piston that its velocity moves rests.
+/// Rest position of a piston moved by its velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Rest {
-    /// It moves freely.
+    /// Moving freely.
     #[default]
     Free = 0,
-    /// At position zero, pushed into the end.
+    /// At position zero, pushed against the end.
     Low = 1,
-    /// At the full stroke, pushed into the end.
+    /// At the full stroke, pushed against the end.
     High = 2,
 }
 
-/// Sides of the corners, and the piston's rest, as of the last event.
+/// Sides of the corners, and the piston's rest, at the last event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
     /// Whether each corner's function was positive.
@@ -51,35 +51,35 @@ impl Default for Sides {
     }
 }
 
-/// The piston as the corners see it.
+/// The piston as seen by the corners.
 #[derive(Clone, Copy, Debug)]
 pub struct Piston {
-    /// Where the host or its velocity has it, before the limits, m.
+    /// Position set by the host or reached by its velocity, before the limits, m.
     pub position: f64,
-    /// Speed that the host gives, m/s.
+    /// Velocity set by the host, m/s.
     pub velocity: f64,
-    /// Ends of the stroke that stop it.
+    /// Ends of the stroke that stop the piston.
     pub limits: Limits,
 }
 
 impl Sides {
-    /// The indicators with these values of the corners' functions; `tolerance` is the host's.
+    /// The indicators for these values of the corner functions; `tolerance` is the host's.
     pub fn indicators(&self, corners: &[f64; CORNERS], tolerance: f64) -> [f64; CORNERS] {
         let band = BAND * tolerance;
         core::array::from_fn(|i| corners[i] + if self.above[i] { band } else { -band })
     }
 
-    /// The sides of the corners; none where the value rests at its corner, within the dead band.
+    /// The sides of the corners; `None` where the value is within the dead band.
     pub fn clear(corners: &[f64; CORNERS], tolerance: f64) -> [Option<bool>; CORNERS] {
         corners.map(|value| (value.abs() > BAND * tolerance).then_some(value > 0.0))
     }
 
-    /// Takes the sides that the corners' functions are on.
+    /// Stores the current sides of the corner functions.
     pub fn settle(&mut self, corners: &[f64; CORNERS]) {
         self.above = corners.map(|value| value > 0.0);
     }
 
-    /// Stops a piston that is pushed into an end, frees one that is pulled out of it.
+    /// Stops a piston pushed into an end, and releases one pulled away from it.
     pub fn settle_rest(&mut self, piston: &Piston) {
         let Some([low, high]) = piston.limits.room(piston.position) else {
             self.rest = Rest::Free;
@@ -95,7 +95,7 @@ impl Sides {
     }
 }
 
-/// Values of the corners' functions.
+/// Values of the corner functions.
 pub fn corners(
     moment: &Moment<'_>,
     u: &[f64; INPUTS],

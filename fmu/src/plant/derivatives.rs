@@ -1,6 +1,6 @@
-//! Exact derivatives of outputs, states and rates: along a direction of inputs, states and parameters, and in time.
-//! Forward mode over the same equations ([`chamber::dual`]); at a kink the derivative is that of the branch taken there:
-//! the forward one for flows at zero, zero for |T − Tw| and |ẋ| at zero.
+//! Exact derivatives of outputs, states and rates: along a direction of inputs, states and parameters, and in time. Uses forward
+//! mode on the same equations ([`chamber::dual`]); at a kink the derivative is that of the branch taken: the forward one for
+//! flows at zero, zero for |T − Tw| and |ẋ| at zero.
 
 use super::fault::Fault;
 use super::inputs;
@@ -15,7 +15,7 @@ use chamber::dual::Dual;
 use chamber::effects::{self, EffectSet};
 use chamber::real::Real;
 
-/// States of effects that are off begin in equilibrium when the direction switches them on.
+/// Initialises the states of effects that the direction switches on, in equilibrium.
 fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, mut states: [D; ALL]) -> [D; ALL] {
     let mut fresh = [D::ZERO; effects::OWN_STATES];
     let at = balance::conditions(&moment.balance.chamber, &moment.boundary, states[MASS], states[ENERGY]);
@@ -27,8 +27,8 @@ fn with_fresh_states(moment: &Moment<'_, D>, seeded: EffectSet, on: EffectSet, m
     states
 }
 
-/// Present inputs along a direction, with the piston where it is: it follows the position, or the way its velocity has
-/// made, unless an end holds it: the far one goes with the stroke.
+/// Present inputs along a direction. The piston follows the position input or the integral of its velocity, unless an end holds
+/// it; the far end moves with the stroke parameter.
 fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
     let here = now.here();
     let mut u = lifted(&here, &seed.inputs);
@@ -44,10 +44,10 @@ fn inputs_along(now: &Simulation, seed: &Seed) -> [D; INPUTS] {
     u
 }
 
-/// Derivatives of everything along a direction. Those of a port's mean flow are those of its present flow.
+/// Derivatives of everything along a direction. For a port's mean flow, those of its present flow.
 ///
 /// # Errors
-/// When the present inputs leave the gas no room.
+/// If the present inputs leave the gas no room.
 pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
     now.present()?;
     let parameters =
@@ -69,7 +69,7 @@ pub fn along(now: &Simulation, seed: &Seed) -> Result<Present, Fault> {
     Ok(tangents(&moment.evaluate(&states, &sensor, &origin)))
 }
 
-/// States at the present position: those the stroke leads to, and the direction's own.
+/// States at the present position, including a jump of the stroke, with the direction's own derivatives.
 fn states_along(now: &Simulation, seed: &Seed, moment: &Moment<'_, D>) -> Result<[D; ALL], Fault> {
     let mut states = now.gas.states.map(D::from);
     let from = D::from(now.gas.position);
@@ -88,7 +88,7 @@ fn here(now: &Simulation) -> Here<'_> {
     Here { parameters: &now.parameters, set: now.plant.set, origin: &now.origin, inputs: now.here() }
 }
 
-/// What the sensor's chain adds; a longer delay shows an earlier reading.
+/// Inputs of the sensor's chain; a longer delay shows an earlier reading.
 fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balances<D>) -> Sensor<D> {
     let longer = balance.chamber.effects.delay(now.plant.set).tangent[0];
     let delayed = now.delayed().map(|(value, rate)| Dual { value, tangent: [seed.delayed - rate * longer] });
@@ -98,7 +98,7 @@ fn sensor_along(now: &Simulation, seed: &Seed, balance: &Balances<D>) -> Sensor<
 /// Rates of the outputs at the present time, with the inputs' present rates.
 ///
 /// # Errors
-/// When the present inputs leave the gas no room.
+/// If the present inputs leave the gas no room.
 pub fn in_time(now: &Simulation) -> Result<[f64; OUTPUTS], Fault> {
     let present = now.present()?;
     let delayed = now.delayed().map_or(0.0, |(_, rate)| rate);

@@ -1,26 +1,26 @@
-//! What the sensor has shown until now, kept for as long as the record's delay: y(t − d).
+//! Past sensor readings, kept for the record's delay: y(t − d).
 //!
-//! One quartic for each accepted inner step, through five equidistant points; neighbours are merged where one quartic
-//! serves both, so that the memory follows the signal and not the host's step size. Pa and s.
+//! Stores one quartic for each accepted inner step, through five equidistant points; neighbours that one quartic can represent
+//! are merged, so that memory depends on the signal and not on the host's step size. Pa and s.
 
 use std::collections::VecDeque;
 
-/// Relative error that a merger may make.
+/// Relative error allowed in a merge.
 const MERGE_ERROR: f64 = 1e-10;
-/// Stretches shorter than this share of the delay are merged whatever the error.
+/// Stretches shorter than this fraction of the delay are merged whatever the error.
 const FINEST: f64 = 1.0 / 32_768.0;
-/// No stretch gets longer than this share of the delay by merging, so that old ones can be forgotten.
+/// Merged stretches are no longer than this fraction of the delay, so that old ones can be dropped.
 const COARSEST: f64 = 1.0 / 16.0;
 
-/// Readings are below this in size, Pa, so that what is computed from a few of them is a number.
+/// Limit on the size of readings, Pa, so that values computed from them are finite.
 const LARGEST: f64 = 1e300;
 
-/// Whether a record can keep these readings, Pa.
+/// Whether a record can store these readings, Pa.
 pub fn can_keep(readings: &[f64]) -> bool {
     readings.iter().all(|reading| reading.abs() < LARGEST)
 }
 
-/// What the sensor showed at one moment.
+/// The sensor's reading at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Time of the reading, s.
@@ -31,7 +31,7 @@ pub struct Reading {
     pub rate: f64,
 }
 
-/// A stretch of the reading.
+/// A stretch of the reading's time course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// Time at which it begins, s.
@@ -43,12 +43,12 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// A stretch that shows `reading`, given time in s.
+    /// A stretch with the readings given by `reading` for a time in s.
     pub fn of(from: f64, length: f64, reading: impl Fn(f64) -> f64) -> Self {
         Self { from, length, reading: core::array::from_fn(|i| reading(from + length * (i as f64 / 4.0))) }
     }
 
-    /// A stretch between two moments, of which reading, Pa, and its rate, Pa/s, are known: Hermite's cubic.
+    /// A stretch between two known readings, Pa, with their rates, Pa/s: cubic Hermite interpolation.
     pub fn between(from: &Reading, to: &Reading) -> Self {
         let length = to.time - from.time;
         Self::of(from.time, length, |t| {
@@ -62,7 +62,7 @@ impl Stretch {
         self.from + self.length
     }
 
-    /// Reading and its rate at time `t`: Newton's form of the quartic.
+    /// Reading, Pa, and its rate, Pa/s, at time `t`, s: Newton's form of the quartic.
     pub fn at(&self, t: f64) -> (f64, f64) {
         let s = ((t - self.from) / self.length).clamp(0.0, 1.0) * 4.0;
         let mut d = self.reading;
@@ -80,7 +80,7 @@ impl Stretch {
         (value, slope * 4.0 / self.length)
     }
 
-    /// Both as one, if one quartic serves.
+    /// Both stretches as one, if one quartic represents them.
     fn merged(&self, next: &Stretch, delay: f64) -> Option<Stretch> {
         let length = next.end() - self.from;
         if length > COARSEST * delay {
@@ -96,20 +96,20 @@ impl Stretch {
     }
 }
 
-/// The readings of the last `delay` seconds.
+/// The readings of the last `delay`, s.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// Shown before the first stretch, Pa.
+    /// Reading before the first stretch, Pa.
     pub first: f64,
     /// Stretches in time order.
     pub stretches: VecDeque<Stretch>,
-    /// How many of them have not changed since the mark.
+    /// Number of leading stretches unchanged since the mark.
     unchanged: usize,
-    /// What those behind them were at the mark, the last first.
+    /// The stretches after those as they were at the mark, last first.
     changed: Vec<Stretch>,
 }
 
-/// Records are equal that show the same, whatever they were before.
+/// Compares only what records show, not their earlier states.
 impl PartialEq for Record {
     fn eq(&self, other: &Self) -> bool {
         self.first == other.first && self.stretches == other.stretches
@@ -122,20 +122,20 @@ impl Record {
         Self { first: reading, stretches: VecDeque::with_capacity(256), ..Self::default() }
     }
 
-    /// Notes where the record is before a step, to go back to.
+    /// Marks the record before a step, for a rewind.
     pub fn mark(&mut self) {
         self.unchanged = self.stretches.len();
         self.changed.clear();
     }
 
-    /// As it was at the mark.
+    /// Restores the record to the mark.
     pub fn rewind(&mut self) {
         self.stretches.truncate(self.unchanged);
         self.stretches.extend(self.changed.drain(..).rev());
         self.unchanged = self.stretches.len();
     }
 
-    /// Keeps the last stretch, which is about to go or to change, if it has been there since the mark.
+    /// Saves the last stretch, which is about to be removed or changed, if it existed at the mark.
     fn keep_last(&mut self) {
         if self.stretches.len() == self.unchanged {
             self.changed.extend(self.stretches.back());
@@ -143,10 +143,10 @@ impl Record {
         }
     }
 
-    /// Appends a stretch. The host's clock may lie a rounding before the last one's end: what adds no time is left out,
-    /// what it covers anew goes, so that stretches stay in time order.
+    /// Appends a stretch. The host's clock may differ from the last end by rounding: a stretch that adds no time is dropped, and
+    /// those it overlaps are removed, so that stretches stay in time order.
     pub fn push(&mut self, stretch: Stretch, delay: f64) {
-        // A subnormal length is too short to divide by: readings along it are no numbers.
+        // A subnormal length is too short to divide by: readings within it would not be finite.
         let adds_time = stretch.length.is_normal() && self.end().is_none_or(|end| stretch.end() > end);
         if !adds_time {
             return;
@@ -168,7 +168,7 @@ impl Record {
         self.stretches.back().map(Stretch::end)
     }
 
-    /// Forgets what is older than `until`, s.
+    /// Drops readings older than `until`, s.
     pub fn forget(&mut self, until: f64) {
         while let Some(front) = self.stretches.front().filter(|s| s.end() < until) {
             self.first = front.reading[4];
@@ -245,7 +245,7 @@ mod tests {
     fn a_rewound_record_is_as_before() {
         let mut record = filled(0.01, 100, 10.0);
         let before = record.clone();
-        // The second begin lies before the last stretches of the record, which the new ones cover.
+        // The second start lies before the record's last stretches, which the new ones replace.
         for begin in [1.0, 0.93] {
             record.mark();
             for k in 0..15 {

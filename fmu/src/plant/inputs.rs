@@ -1,4 +1,4 @@
-//! What the host imposes: values at a communication point, and their derivatives for the step that follows.
+//! The host's inputs: values at a communication point, and their derivatives for the next step.
 //!
 //! u(t_k + s) = u_k + Σ d_j s^j/j!, orders 1 to 3; derivatives hold for one step. Lengths in m, flows in kg/s.
 
@@ -9,28 +9,28 @@ use chamber::real::Real;
 /// Highest order of an input's derivatives.
 pub const ORDERS: usize = 3;
 
-/// Inputs as the host set them, and as they are at the present time.
+/// Inputs as set by the host, and at the present time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
-    /// What the host set last.
+    /// Values last set by the host.
     pub value: [f64; INPUTS],
     /// Derivatives for the next step, by order.
     pub derivative: [[f64; ORDERS]; INPUTS],
-    /// Whether a derivative of that input has been set since the last step.
+    /// Whether a derivative of the input was set since the last step.
     pub led: [bool; INPUTS],
-    /// Value at the present time: the host's, or where its derivatives took it within the last step.
+    /// Value at the present time: the host's, or the end value of its extrapolation over the last step.
     pub now: [f64; INPUTS],
     /// Rate at the present time.
     pub rate: [f64; INPUTS],
 }
 
 impl Inputs {
-    /// At rest with these values.
+    /// Constant inputs with these values.
     pub fn new(value: [f64; INPUTS]) -> Self {
         Self { value, derivative: [[0.0; ORDERS]; INPUTS], led: [false; INPUTS], now: value, rate: [0.0; INPUTS] }
     }
 
-    /// The host sets an input.
+    /// Sets an input.
     pub fn set(&mut self, index: usize, value: f64) {
         self.value[index] = value;
         self.now[index] = value;
@@ -39,7 +39,7 @@ impl Inputs {
         }
     }
 
-    /// The host sets a derivative of an input, of order 1 or more.
+    /// Sets a derivative of an input, of order 1 or more.
     pub fn set_derivative(&mut self, index: usize, order: usize, value: f64) {
         self.derivative[index][order - 1] = value;
         self.led[index] = true;
@@ -48,7 +48,7 @@ impl Inputs {
         }
     }
 
-    /// Whether nothing but the position changes within the step, and that linearly.
+    /// Whether only the position changes within the step, linearly.
     pub fn is_plain(&self) -> bool {
         self.led == [false; INPUTS]
     }
@@ -71,7 +71,7 @@ impl Inputs {
         first + s * (second + s * (third / 2.0))
     }
 
-    /// Position and speed of the piston as the host says, `s` seconds into the step.
+    /// Position and speed of the piston according to the inputs, `s` seconds into the step.
     #[inline]
     pub fn stroke(&self, s: f64) -> (f64, f64) {
         if self.led[input::POSITION] {
@@ -80,7 +80,7 @@ impl Inputs {
         self.travel_from(self.value[input::POSITION], s)
     }
 
-    /// Position and speed of a piston that the velocity alone moves from `begin`, m.
+    /// Position and speed of a piston moved by the velocity input alone from `begin`, m.
     #[inline]
     pub fn travel_from(&self, begin: f64, s: f64) -> (f64, f64) {
         let [first, second, third] = self.derivative[input::VELOCITY];
@@ -89,7 +89,7 @@ impl Inputs {
         (begin + travel, self.at(input::VELOCITY, s))
     }
 
-    /// Every input, `s` seconds into the step, as the host says; position and velocity are the stroke's.
+    /// All inputs, `s` seconds into the step; position and velocity are the stroke's.
     #[inline]
     pub fn values(&self, s: f64) -> [f64; INPUTS] {
         let mut values: [f64; INPUTS] = core::array::from_fn(|i| self.at(i, s));
@@ -97,7 +97,7 @@ impl Inputs {
         values
     }
 
-    /// Goes a step of `h` seconds on: derivatives are spent, present values are where they led.
+    /// Advances by a step of `h` seconds: present values are extrapolated, and derivatives are used up.
     pub fn advance(&mut self, h: f64) {
         if self.is_plain() {
             self.now = self.value;
@@ -109,7 +109,7 @@ impl Inputs {
         }
     }
 
-    /// Inputs a step later where derivatives led them.
+    /// Inputs after a step of `h` seconds, extrapolated with their derivatives.
     fn led_on(&self, h: f64) -> Self {
         let mut next = self.clone();
         next.now = core::array::from_fn(|i| self.at(i, h));
@@ -125,7 +125,7 @@ impl Inputs {
         next
     }
 
-    /// Present values with the speed that the piston has.
+    /// Present values, with the piston's actual speed.
     pub fn present(&self) -> [f64; INPUTS] {
         let mut now = self.now;
         if self.led[input::POSITION] {
@@ -144,8 +144,8 @@ impl Inputs {
         rate
     }
 
-    /// Times within a step of `h` seconds at which a linear speed or flow changes its sign, kinks of the balance, handed to
-    /// `take`.
+    /// Passes to `take` the times within a step of `h` seconds at which a linear speed or flow changes sign, where the balance
+    /// has kinks.
     pub fn sign_changes(&self, h: f64, mut take: impl FnMut(f64)) {
         let speed = if self.led[input::POSITION] {
             let [first, second, third] = self.derivative[input::POSITION];
@@ -164,7 +164,7 @@ impl Inputs {
     }
 }
 
-/// The boundary that these input values make. A negative flow goes the other way.
+/// The boundary for these input values. A negative flow is one in the other direction.
 #[inline(always)]
 pub fn boundary<R: Real>(u: &[R; INPUTS]) -> Boundary<R> {
     let (inward, outward) = (u[input::MASS_FLOW_IN], u[input::MASS_FLOW_OUT]);

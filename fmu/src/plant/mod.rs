@@ -1,20 +1,20 @@
-//! The chamber between its ports, its wall and its piston, in numbers by index: it knows no names, no host and no file.
+//! The chamber between its ports, wall and piston, in numbers by index, independent of names, host and files.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`values`] | places of inputs, outputs and parameters; parameters as a chamber |
-//! | [`inputs`] | what the host imposes, with derivatives within a step |
-//! | [`leader`] | who moves the piston: the host, or the default experiment |
-//! | [`stroke`] | where the piston goes: limits, and strokes given by position or by velocity |
+//! | [`values`] | indices of inputs, outputs and parameters; parameters as a chamber |
+//! | [`inputs`] | the host's inputs, with derivatives within a step |
+//! | [`leader`] | what moves the piston: the host or the default experiment |
+//! | [`stroke`] | the piston's motion: limits, and strokes given by position or by velocity |
 //! | [`port`] | flow through a valve's port, ISO 6358 |
-//! | [`states`] | the states, their start, a stroke taken up at once |
-//! | [`rates`] | everything that can be asked of one moment |
+//! | [`states`] | the states, their initial values, and instantaneous strokes |
+//! | [`rates`] | all values at one moment |
 //! | [`tangent`] | the equations along a direction |
 //! | [`derivatives`] | exact directional and time derivatives of a simulation |
-//! | [`step`] | one communication step, integrated inside |
-//! | [`corners`] | where the equations have corners: event indicators |
-//! | [`history`] | the sensor's past, for a delayed record |
-//! | [`simulation`] | a simulation under way, of either kind |
+//! | [`step`] | one communication step with internal integration |
+//! | [`corners`] | corners of the equations: event indicators |
+//! | [`history`] | past sensor readings, for a delayed record |
+//! | [`simulation`] | a running simulation of either kind |
 
 pub mod corners;
 pub mod derivatives;

@@ -1,4 +1,4 @@
-//! Flow through a valve's port, solved with the gas: ISO 6358, in whichever direction pressure drives it.
+//! Flow through a valve port, coupled with the gas: ISO 6358, in whichever direction pressure drives it.
 //!
 //! ṁ = C p_up ρ0 √(T0/T_up) ψ(r),  r = p_down/p_up,  ψ = 1 for r ≤ b, else √(1 − ((r − b)/(1 − b))²), linear above r = 0.999
 //! C  m³/(s Pa)  sonic conductance, an input;  b  1  critical pressure ratio;  T0 = 293.15 K, ρ0 = 1.185 kg/m³ for air
@@ -9,17 +9,17 @@ use chamber::balance::{Conditions, Flows, Surroundings};
 use chamber::real::Real;
 
 const REFERENCE_TEMPERATURE_K: f64 = 293.15;
-/// ρ0 R of any gas at the reference state, Pa/K: 1.185 kg/m³ of air with R = 287 J/(kg K).
+/// ρ0 R for any gas at the reference state, Pa/K: 1.185 kg/m³ of air with R = 287 J/(kg K).
 const REFERENCE_PRESSURE_PER_KELVIN: f64 = 1.185 * 287.0;
 /// Above this pressure ratio ψ is linear, so that its slope at r = 1 is finite.
 const LINEAR_ABOVE: f64 = 0.999;
 
-/// A port: a valve's opening to a volume of given state.
+/// A port: a valve's opening to a volume of known state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Port<R = f64> {
-    /// Pressure on its other side, Pa.
+    /// Pressure on the other side, Pa.
     pub pressure: R,
-    /// Temperature there, K.
+    /// Temperature on the other side, K.
     pub temperature: R,
     /// Sonic conductance, m³/(s Pa).
     pub conductance: R,
@@ -48,7 +48,7 @@ impl<R: Real> Port<R> {
     }
 }
 
-/// What surrounds the chamber: a wall held by others and both ports, where they take part.
+/// The chamber's surroundings: a prescribed wall temperature and both ports, where used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Around<R = f64> {
     /// Wall temperature, K.
@@ -58,7 +58,7 @@ pub struct Around<R = f64> {
 }
 
 impl<R: Real> Around<R> {
-    /// As these inputs have it; the ports have these critical ratios.
+    /// From these inputs, with the ports' critical ratios.
     #[inline]
     pub fn of(u: &[R; INPUTS], external_wall: bool, [supply, exhaust]: [R; 2]) -> Self {
         let port = |first: usize, critical_ratio: R| Port {

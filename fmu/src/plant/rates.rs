@@ -1,5 +1,5 @@
-//! Everything that can be asked of the chamber at one moment: outputs, states and their rates, from parameters, inputs
-//! and states. Written over any number type, so that derivatives of every output are exact.
+//! All values of the chamber at one moment: outputs, states and their rates, from parameters, inputs and states. Generic over the
+//! number type, so that derivatives of all outputs are exact.
 
 use super::port::Around;
 use super::states::{ALL, HEAT, Origin, TRAVEL, WORK};
@@ -8,10 +8,10 @@ use chamber::balance::{Balances, Boundary, Conditions, Contents, ENERGY, MASS, O
 use chamber::effects::{EffectSet, OWN_STATES};
 use chamber::real::Scalar;
 
-/// Outputs, states and rates of states.
+/// Outputs, states and state rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Present<R = f64> {
-    /// Outputs, SI units, see [`output`].
+    /// Outputs, SI units; indices in [`output`].
     pub outputs: [R; OUTPUTS],
     /// States at the present position, SI units.
     pub states: [R; ALL],
@@ -20,39 +20,39 @@ pub struct Present<R = f64> {
 }
 
 impl Present {
-    /// Zero everywhere: no derivative.
+    /// Zero everywhere: the derivative of a constant.
     pub const ZERO: Present = Present { outputs: [0.0; OUTPUTS], states: [0.0; ALL], rates: [0.0; ALL] };
 
-    /// Whether all of it are numbers that a host can go on with.
+    /// Whether all values are finite, so that a host can continue.
     pub fn is_finite(&self) -> bool {
         self.outputs.iter().chain(&self.states).chain(&self.rates).all(|value| value.is_finite())
     }
 }
 
-/// What the sensor's chain needs beside the state.
+/// Inputs of the sensor's chain besides the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensor<R = f64> {
     /// Time since the start of the experiment, s.
     pub elapsed: R,
-    /// Reading of a delay earlier, Pa, where the record is delayed.
+    /// Reading one delay earlier, Pa, if the record is delayed.
     pub delayed: Option<R>,
 }
 
-/// A chamber at one moment, before its states are known.
+/// A chamber at one moment, without its states.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a, R = f64> {
-    /// Gas, geometry, heat transfer and effects, with what follows from them once.
+    /// Gas, geometry, heat transfer and effects, with precomputed constants.
     pub balance: &'a Balances<R>,
-    /// Effects that take part.
+    /// Active effects.
     pub set: EffectSet,
     /// Piston, flows and surroundings.
     pub boundary: Boundary<R>,
-    /// What others hold: the wall's temperature, the ports' far sides.
+    /// Prescribed surroundings: the wall's temperature, the ports' far sides.
     pub around: Around<R>,
 }
 
 impl<R: Scalar> Moment<'_, R> {
-    /// Conditions, rates of the gas and of the effects' own states, with the gas in these states.
+    /// Conditions, rates of the gas, and rates of the effects' own states, for these states.
     #[inline]
     pub fn balances(&self, states: &[R; ALL]) -> (Conditions<R>, Rates<R>, [R; OWN_STATES]) {
         let volume = self.balance.chamber.geometry.volume(self.boundary.position);
@@ -61,13 +61,13 @@ impl<R: Scalar> Moment<'_, R> {
         self.balance.evaluate_within(&self.around, self.set, &self.boundary, &contents, &own)
     }
 
-    /// Everything, with the gas in these states; they belong to the boundary's position.
+    /// All values for these states, which must belong to the boundary's position.
     pub fn evaluate(&self, states: &[R; ALL], sensor: &Sensor<R>, origin: &Origin<R>) -> Present<R> {
         let (at, rates, own_rates) = self.balances(states);
         let (set, values, boundary) = (self.set, &self.balance.chamber.effects, &self.boundary);
         let own = own(states);
         let reading = |time: R| values.reading(set, &own, at.pressure, time);
-        // Drift is added after the delay: what time adds to the reading is added to the delayed one.
+        // Drift is added after the delay: the change of the reading due to elapsed time is added to the delayed one.
         let shown = reading(sensor.elapsed);
         let measured = sensor.delayed.map_or(shown, |earlier| earlier + (shown - reading(R::ZERO)));
         let gained = states[ENERGY] - origin.energy;

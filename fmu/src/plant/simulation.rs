@@ -1,5 +1,4 @@
-//! A simulation under way, of either kind: integrated here between communication points, or by the host, which hands in
-//! time and states.
+//! A running simulation of either kind: integrated here between communication points, or by the host, which sets time and states.
 
 use super::corners::{self, CORNERS, Piston, Rest, Sides};
 use super::fault::Fault;
@@ -17,36 +16,36 @@ use chamber::effects::{self, OWN_STATES};
 use chamber::integrate::Tolerance;
 use chamber::simulate;
 
-/// Relative tolerance of the inner integration where the host announces none: the model description's.
+/// Default relative tolerance of the inner integration, as in the model description.
 pub const DEFAULT_TOLERANCE: f64 = 1e-8;
-/// Tolerances that the integration can keep; the host's is brought into these bounds.
+/// Tolerances that the integration can meet; the host's is clamped to these bounds.
 pub const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-2;
 
-/// Who integrates over time.
+/// Which side integrates over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
-    /// The host: it sets time and states and asks for their rates.
+    /// The host: it sets time and states and requests their rates.
     ModelExchange = 0,
     /// The simulation, from one communication point to the next.
     CoSimulation = 1,
 }
 
-/// What the host announced.
+/// Experiment settings from the host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experiment {
     /// Start time, s.
     pub start: f64,
-    /// Stop time, s; `None` where the host announces none.
+    /// Stop time, s; `None` if the host announces none.
     pub stop: Option<f64>,
     /// Relative tolerance of the inner integration, within [`TOLERANCES`].
     pub tolerance: f64,
 }
 
-/// Where a host that integrates itself was when it completed its last step.
+/// State at the last completed step of a host that integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Completed {
-    /// What the sensor showed, before delay and drift.
+    /// Sensor reading before delay and drift.
     pub reading: Reading,
     /// Position of the piston, m.
     pub position: f64,
@@ -57,38 +56,38 @@ pub struct Completed {
 /// The whole state of a simulation.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// Model Exchange or co-simulation; fixed for an instance's life.
+    /// Model Exchange or co-simulation; fixed for the life of an instance.
     pub kind: Kind,
     /// Whether initialization is over.
     pub started: bool,
-    /// Start, stop and tolerance as the host announced them.
+    /// Start, stop and tolerance, as announced by the host.
     pub experiment: Experiment,
     /// Present time, s.
     pub time: f64,
     /// Parameters as the host set them, SI units.
     pub parameters: Parameters,
-    /// Who moves the piston.
+    /// What moves the piston.
     pub leader: Leader,
     /// Inputs as the host set them, SI units, with their derivatives.
     pub inputs: Inputs,
-    /// The gas; of no meaning before the end of initialization.
+    /// The gas; meaningless before the end of initialization.
     pub gas: Gas,
-    /// What sums are counted from.
+    /// Reference values of the sums.
     pub origin: Origin,
     /// Absolute tolerances of the states, fixed at the end of initialization.
     pub absolute: [f64; STATES],
-    /// The sensor's past, where the record is delayed.
+    /// Past sensor readings, if the record is delayed.
     pub record: Option<Record>,
-    /// Sides of the corners as of the last event.
+    /// Sides of the corners at the last event.
     pub sides: Sides,
-    /// Where the host's last completed step of Model Exchange ended.
+    /// The host's last completed step of Model Exchange.
     pub completed: Completed,
-    /// The chamber that follows from parameters and tolerance; see [`Simulation::rebuild`].
+    /// The chamber derived from parameters and tolerance; see [`Simulation::rebuild`].
     pub plant: Plant,
 }
 
 impl Simulation {
-    /// As freshly instantiated.
+    /// A newly instantiated simulation.
     pub fn new(starts: &Starts, kind: Kind) -> Self {
         let tolerance = Tolerance { relative: DEFAULT_TOLERANCE, absolute: [0.0; STATES] };
         let position = starts.inputs[input::POSITION];
@@ -110,7 +109,7 @@ impl Simulation {
         }
     }
 
-    /// Brings the plant in line with parameters and tolerances.
+    /// Updates the plant from parameters and tolerances.
     pub fn rebuild(&mut self) {
         let tolerance = Tolerance { relative: self.experiment.tolerance, absolute: self.absolute };
         self.plant = Plant::new(&self.parameters, tolerance);
@@ -121,12 +120,12 @@ impl Simulation {
         self.plant.balance.chamber.effects.delay(self.plant.set)
     }
 
-    /// Whether the velocity alone moves the piston.
+    /// Whether the piston is moved by the velocity input alone.
     pub fn is_moved_by_velocity(&self) -> bool {
         self.plant.choices.stroke_input == StrokeInput::Velocity
     }
 
-    /// The piston before its limits: where the host, or the velocity since the start, has it.
+    /// The piston before its limits: the host's position, or the integral of the velocity since the start.
     pub fn piston(&self) -> Piston {
         let u = self.inputs.present();
         let position = match (self.is_moved_by_velocity() && self.started, self.kind) {
@@ -137,32 +136,32 @@ impl Simulation {
         Piston { position, velocity: u[input::VELOCITY], limits: self.plant.limits }
     }
 
-    /// Present inputs, with the position and the speed that the piston has.
+    /// Present inputs, with the piston's actual position and speed.
     pub fn here(&self) -> [f64; INPUTS] {
         let mut u = self.inputs.present();
         (u[input::POSITION], u[input::VELOCITY]) = self.place(&self.piston());
         u
     }
 
-    /// Position and speed of the piston.
+    /// Actual position and speed of the piston.
     fn place(&self, piston: &Piston) -> (f64, f64) {
         let exchange = self.kind == Kind::ModelExchange && self.is_moved_by_velocity() && self.started;
         match (exchange, self.sides.rest) {
-            // The states are the host's: a piston goes on until the event at the end of the stroke is handled.
+            // The states are the host's: the piston moves on until the event at the end of the stroke is handled.
             (true, Rest::Free) => (piston.position, piston.velocity),
             (true, _) => (piston.position, 0.0),
             (false, _) => piston.limits.apply(piston.position, piston.velocity),
         }
     }
 
-    /// The plant at these inputs.
+    /// The plant with these inputs.
     pub fn moment(&self, u: &[f64; INPUTS]) -> Moment<'_> {
         let Plant { balance, set, choices, critical_ratios, .. } = &self.plant;
         let around = Around::of(u, choices.external_wall, *critical_ratios);
         Moment { balance, set: *set, boundary: inputs::boundary(u), around }
     }
 
-    /// Checks that the parameters together make a chamber.
+    /// Checks that the parameters make a consistent chamber.
     fn checked(&self) -> Result<(), Fault> {
         if self.plant.balance.chamber.geometry.piston_area <= 0.0 {
             let real = &self.parameters.real;
@@ -171,10 +170,10 @@ impl Simulation {
         self.plant.volume_at(self.here()[input::POSITION]).map(|_| ())
     }
 
-    /// Ends the initialization: the gas is as the parameters and inputs have it. On refusal nothing has changed.
+    /// Ends the initialization: the gas gets its state from parameters and inputs. On refusal nothing has changed.
     ///
     /// # Errors
-    /// When they make no chamber, or no gas that numbers can tell.
+    /// If they are inconsistent, or the gas state is not finite.
     pub fn begin(&mut self) -> Result<(), Fault> {
         let before = self.clone();
         let outcome = self.begin_with_gas();
@@ -204,7 +203,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// What the sensor shows now before delay and drift, Pa.
+    /// Present sensor reading before delay and drift, Pa.
     fn reading(&self) -> f64 {
         let mut u = self.here();
         if self.kind == Kind::CoSimulation {
@@ -213,11 +212,11 @@ impl Simulation {
         step::reading(&self.plant, &inputs::boundary(&u), &states::of_gas(&self.gas.states))
     }
 
-    /// Takes parameters over between steps. Effects that were off begin in equilibrium with the gas as it is. On refusal
-    /// nothing has changed.
+    /// Applies parameters between steps. Effects that were off start in equilibrium with the present gas. On refusal nothing has
+    /// changed.
     ///
     /// # Errors
-    /// When a host's states make no gas that they could begin with.
+    /// If the host's states are impossible for starting them.
     pub fn tune(&mut self, parameters: Parameters) -> Result<(), Fault> {
         let delayed = self.delay() > 0.0;
         let (old, states) = (std::mem::replace(&mut self.parameters, parameters), self.gas.states);
@@ -238,7 +237,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// An effect is off while its first parameter is neutral; its states start when it is switched on.
+    /// An effect is off while its first parameter is neutral; its states are initialised when it is switched on.
     fn start_own_states(&mut self, old: &Parameters) {
         let mut u = self.here();
         if self.kind == Kind::CoSimulation {
@@ -258,7 +257,7 @@ impl Simulation {
         }
     }
 
-    /// The host moves the piston from now on. Whatever the default experiment made of it, it rests until the host says more.
+    /// From now on the host moves the piston. After the default experiment, it rests until the host sets more.
     pub fn hand_over(&mut self) {
         if self.leader != Leader::Host {
             if self.started {
@@ -268,7 +267,7 @@ impl Simulation {
         }
     }
 
-    /// Sets position and velocity to what the default experiment has at the present time, where it leads.
+    /// Sets position and velocity to those of the default experiment at the present time, while it is active.
     pub fn lead(&mut self) {
         let elapsed = self.time - self.experiment.start;
         if let Some((position, velocity)) = self.leader.stroke(self.origin.position, elapsed) {
@@ -278,7 +277,7 @@ impl Simulation {
         }
     }
 
-    /// When the default experiment turns next, s.
+    /// Time at which the default experiment changes next, s.
     pub fn turn(&self) -> Option<f64> {
         self.leader.until().map(|until| self.experiment.start + until)
     }
@@ -286,7 +285,7 @@ impl Simulation {
     /// One communication step of `h` seconds. On refusal nothing has changed.
     ///
     /// # Errors
-    /// Where no accurate step exists.
+    /// If no accurate step exists.
     pub fn step(&mut self, h: f64) -> Result<(), Fault> {
         if self.leader == Leader::Host {
             return self.step_on(h);
@@ -299,7 +298,7 @@ impl Simulation {
         outcome
     }
 
-    /// A step of the default experiment, in two where it turns within.
+    /// A step of the default experiment, split where it changes within the step.
     fn step_by_default(&mut self, h: f64) -> Result<(), Fault> {
         let end = self.time + h;
         if let Some(turn) = self.turn().filter(|turn| *turn < end) {
@@ -351,7 +350,7 @@ impl Simulation {
     /// Outputs, states and rates at the present time.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn present(&self) -> Result<Present, Fault> {
         let u = self.here();
         let moment = self.moment(&u);
@@ -373,7 +372,8 @@ impl Simulation {
         Ok(present)
     }
 
-    /// The states at this moment's position: a host that integrates sets them, else a stroke may have to be taken up.
+    /// The states at this moment's position: set by a host that integrates; otherwise a jump of the stroke may have to be
+    /// applied.
     fn states_at(&self, moment: &Moment<'_>) -> Result<[f64; ALL], Fault> {
         let position = moment.boundary.position;
         self.plant.volume_at(position)?;
@@ -388,19 +388,19 @@ impl Simulation {
             .map_err(|e| Fault::no_stroke(self.time, e))
     }
 
-    /// The sensor's reading of a delay earlier, Pa, and its rate, Pa/s, where the record is delayed.
+    /// The sensor's reading one delay earlier, Pa, and its rate, Pa/s, if the record is delayed.
     pub fn delayed(&self) -> Option<(f64, f64)> {
         let record = self.record.as_ref()?;
         let then = self.time - self.delay();
         let last = &self.completed.reading;
         if self.kind == Kind::ModelExchange && then > last.time && self.time > last.time {
-            // A step longer than the delay: the reading within it, as far as it is known.
+            // A step longer than the delay: the reading within it, as far as known.
             return Some(Stretch::between(last, &self.reading_now()).at(then));
         }
         Some(record.at(then))
     }
 
-    /// Values of the corners' functions at this moment.
+    /// Values of the corner functions at present.
     fn corners(&self) -> Result<[f64; CORNERS], Fault> {
         let u = self.here();
         let moment = self.moment(&u);
@@ -414,18 +414,18 @@ impl Simulation {
         Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
     }
 
-    /// On which side of each corner the chamber is; none where it rests at one: to leave it is no event.
+    /// The side of each corner that the chamber is on; `None` where it rests at one, since leaving it is no event.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room.
+    /// If the present inputs leave the gas no room.
     pub fn clear_sides(&self) -> Result<[Option<bool>; CORNERS], Fault> {
         Ok(Sides::clear(&self.corners()?, self.experiment.tolerance))
     }
 
-    /// Whether a corner lies between these sides and the present state.
+    /// Whether a corner was crossed between these sides and the present state.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room.
+    /// If the present inputs leave the gas no room.
     pub fn has_changed(&self, sides: &[Option<bool>; CORNERS]) -> Result<bool, Fault> {
         let now = self.corners()?;
         Ok(sides.iter().zip(now).any(|(side, value)| side.is_some_and(|above| above != (value > 0.0))))
@@ -434,16 +434,16 @@ impl Simulation {
     /// The event indicators.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn indicators(&self) -> Result<[f64; CORNERS], Fault> {
         Ok(self.sides.indicators(&self.corners()?, self.experiment.tolerance))
     }
 
-    /// Handles an event of a host that integrates: takes a stroke up that the position made at once, settles on which side
-    /// of each corner the chamber is. Whether states changed.
+    /// Handles an event for a host that integrates: applies a jump of the position to the gas, and updates the sides of all
+    /// corners. Returns whether states changed.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn handle_event(&mut self) -> Result<bool, Fault> {
         let before = (self.leader, self.inputs.clone(), self.gas.states, self.sides);
         let outcome = self.event();
@@ -455,8 +455,8 @@ impl Simulation {
 
     fn event(&mut self) -> Result<bool, Fault> {
         let mut changed = false;
-        // The host comes to a time event as near as its clock can. Some, such as fmusim, begin a new integration only where
-        // states have changed: the turn counts as such.
+        // The host reaches a time event only to within its clock's rounding. Some, such as fmusim, restart the integration only
+        // if states have changed: the change of the experiment is reported as that.
         if self.turn().is_some_and(|turn| self.time >= turn - 1e-12 * turn.abs()) {
             self.leader = Leader::Hold;
             changed = true;
@@ -480,7 +480,7 @@ impl Simulation {
         Ok(changed)
     }
 
-    /// Settles on which side of each corner the chamber is, and where its piston rests.
+    /// Updates the sides of all corners, and the piston's rest position.
     fn settle(&mut self) -> Result<(), Fault> {
         if self.is_moved_by_velocity() {
             let piston = self.piston();
@@ -491,20 +491,20 @@ impl Simulation {
         Ok(())
     }
 
-    /// Notes where an event begins: what the position does from here on, until it is handled, is a jump.
+    /// Records the start of an event: any change of position until it is handled is a jump.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn enter_event(&mut self) -> Result<(), Fault> {
         self.present()?;
         self.completed = self.now_completed()?;
         Ok(())
     }
 
-    /// A host that integrates has completed a step: the record takes what the sensor showed within it.
+    /// Completes a step of a host that integrates: the record stores the sensor's readings within it.
     ///
     /// # Errors
-    /// When the present inputs leave the gas no room, or a host's states make no gas.
+    /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn complete_step(&mut self) -> Result<(), Fault> {
         let u = self.here();
         self.states_at(&self.moment(&u))?;
@@ -524,13 +524,13 @@ impl Simulation {
         Ok(())
     }
 
-    /// What the sensor shows now before delay and drift, with its rate where a record is kept.
+    /// Present sensor reading before delay and drift, with its rate if a record is kept.
     fn reading_now(&self) -> Reading {
         let rate = if self.record.is_some() { self.reading_rate() } else { 0.0 };
         Reading { time: self.time, value: self.reading(), rate }
     }
 
-    /// The rate of that, Pa/s, at the present states of a host that integrates.
+    /// Rate of the present reading, Pa/s, for the states of a host that integrates.
     fn reading_rate(&self) -> f64 {
         let Self { parameters, plant, origin, gas, .. } = self;
         let here = Here { parameters, set: plant.set, origin, inputs: self.here() };
@@ -539,10 +539,10 @@ impl Simulation {
         tangent::reading_rate(&here, &gas.states, rates)
     }
 
-    /// The present moment as that of a completed step.
+    /// The present moment as a completed step.
     ///
     /// # Errors
-    /// When a host's states are such that the sensor shows no number.
+    /// If the host's states give no finite sensor reading.
     fn now_completed(&self) -> Result<Completed, Fault> {
         let (u, reading) = (self.here(), self.reading_now());
         if !history::can_keep(&[reading.value, reading.rate]) {

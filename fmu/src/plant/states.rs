@@ -1,6 +1,6 @@
-//! The states: the gas's own and its effects', then sums since the start. Their start, and a stroke taken up at once.
+//! The states: those of the gas and its effects, then sums since the start. Their initial values, and instantaneous strokes.
 //!
-//! Heat and work are sums of their own; the enthalpy and mass received follow from them and the gas, so that any balance
+//! Heat and work are integrated as sums; the enthalpy and mass received follow from them and the gas, so that every balance
 //! closes to rounding: ΔU = heat + enthalpy − work. J, kg, m.
 
 use super::values::{Parameters, parameter};
@@ -15,12 +15,12 @@ use chamber::real::Scalar;
 pub const HEAT: usize = STATES;
 /// Work done by the gas on the piston since the start, J.
 pub const WORK: usize = STATES + 1;
-/// The piston's way since the start, ∫ of its speed, m.
+/// Travel of the piston since the start, ∫ of its velocity, m.
 pub const TRAVEL: usize = STATES + 2;
 /// Number of states.
 pub const ALL: usize = STATES + 3;
 
-/// What the sums are counted from.
+/// Reference values of the sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Origin<R = f64> {
     /// Mass of the gas at the start, kg.
@@ -31,12 +31,12 @@ pub struct Origin<R = f64> {
     pub position: R,
 }
 
-/// The gas's and its effects' part of the states.
+/// The part of the states that belongs to the gas and its effects.
 pub fn of_gas<R: Copy>(states: &[R; ALL]) -> [R; STATES] {
     core::array::from_fn(|i| states[i])
 }
 
-/// All states from the gas's and its effects', with these sums.
+/// All states, from those of the gas and its effects and these sums.
 pub fn with_sums<R: Copy>(gas: &[R; STATES], heat: R, work: R, travel: R) -> [R; ALL] {
     let sums = [heat, work, travel];
     core::array::from_fn(|i| if i < STATES { gas[i] } else { sums[i - STATES] })
@@ -49,16 +49,16 @@ pub fn initial<R: Scalar>(parameters: &Parameters<R>, chamber: &Chamber<R>, boun
     with_sums(&balance::state_at(chamber, boundary, pressure, temperature), R::ZERO, R::ZERO, R::ZERO)
 }
 
-/// Duration of a stroke taken up at once, s: no flow and no heat gets anywhere in it.
+/// Nominal duration of an instantaneous stroke, s: negligible for any flow or heat.
 const INSTANT_S: f64 = 1e-15;
 
-/// The states once the piston is moved at once from one position to another: adiabatically, with no flow.
+/// The states after an instantaneous move of the piston between two positions: adiabatic, without flow.
 ///
-/// U V^(γ−1) stays; where an effect stores gas, has states or makes heat capacities vary, its own equations are integrated
-/// along the stroke.
+/// U V^(γ−1) is constant; if an effect stores gas, has states or makes heat capacities vary, the equations are integrated along
+/// the stroke.
 ///
 /// # Errors
-/// Where the equations cannot follow the stroke.
+/// If the equations cannot be integrated along the stroke.
 pub fn jump<R: Scalar>(
     chamber: &Chamber<R>,
     set: EffectSet,
@@ -78,7 +78,7 @@ pub fn jump<R: Scalar>(
     chamber.heat_transfer.coefficient = R::ZERO;
     let stroke = at.position - from;
     let still = Boundary { mass_flow_in: R::ZERO, mass_flow_out: R::ZERO, velocity: stroke * (1.0 / INSTANT_S), ..*at };
-    // The gas and its effects, then the work.
+    // States of the gas and its effects, then the work.
     const N: usize = STATES + 1;
     let system = |share: f64, y: &[R; N]| {
         let boundary = Boundary { position: from + stroke * share, ..still };

@@ -1,10 +1,8 @@
-//! One communication step of the gas, of any length: the same balances as everywhere, integrated as finely as the
-//! tolerance asks for.
+//! One communication step of the gas, of any length: the usual balances, integrated to the tolerance.
 //!
-//! A sealed chamber with its piston held follows the exact solution; one without effects, ports or a wall of others is
-//! integrated in mass and energy alone; anything else in all states. Heat and work, and what passes the ports, are
-//! integrated along, without a say in the step's size. Breakpoints lie where a linear speed or flow changes its sign and
-//! where the piston meets an end.
+//! A sealed chamber with its piston held follows the exact solution; one without effects, ports or a prescribed wall is
+//! integrated in mass and energy alone; any other in all states. Heat, work and the port flows are integrated along, without
+//! influence on the step size. Breakpoints are where a linear speed or flow changes sign and where the piston meets an end.
 
 use super::fault::Fault;
 use super::history::{Record, Stretch};
@@ -18,17 +16,17 @@ use chamber::effects::{self, EffectSet, FEW_OWN_STATES, OWN_STATES};
 use chamber::exact::Closed;
 use chamber::integrate::{IntegrationError, Integrator, Step, Tolerance};
 
-/// Inner steps that a communication step may take: about 0.1 s of computing. A host that wants more takes shorter steps.
+/// Limit of inner steps per communication step: about 0.1 s of computing. A host that needs more must take shorter steps.
 const MAX_INNER_STEPS: usize = 200_000;
-/// An integration that ends for want of gas stands closer to the end than this share of the mass that it began with.
+/// A failed integration has run out of gas if less than this fraction of the initial mass is left.
 const EMPTY: f64 = 1e-6;
-/// Mass and energy of the gas, then heat and work within a step.
+/// Index layout: mass and energy of the gas, then heat and work within a step.
 const GAS: usize = 4;
 const HEAT_SUM: usize = 2;
 const WORK_SUM: usize = 3;
 /// Mass and enthalpy through both ports within a step, where they are open.
 const PORTS: usize = 4;
-/// Behind them, the effects' own states: as many as most sets of effects have, or all.
+/// After these, the effects' own states: either the number that suffices for most sets of effects, or all.
 const FEW: usize = FEW_OWN_STATES;
 const ALL_OWN: usize = OWN_STATES;
 
@@ -37,37 +35,37 @@ const ALL_OWN: usize = OWN_STATES;
 pub struct Gas {
     /// Mass, internal energy, the effects' own states, sums since the start.
     pub states: [f64; ALL],
-    /// The position they belong to, m.
+    /// Their position, m.
     pub position: f64,
     /// Inner step to try next, s.
     pub inner_step: f64,
-    /// Means over the last step of mass flow, kg/s, and enthalpy flow, W, through both ports; `None` before the first step.
+    /// Mean mass flow, kg/s, and enthalpy flow, W, over the last step, through both ports; `None` before the first step.
     pub port_flows: Option<[f64; 4]>,
 }
 
-/// A chamber with what takes part.
+/// A chamber with its active effects and settings.
 #[derive(Clone, Debug)]
 pub struct Plant {
-    /// Gas, geometry, heat transfer and effects, with what follows from them once.
+    /// Gas, geometry, heat transfer and effects, with precomputed constants.
     pub balance: Balances,
-    /// Effects that take part: those that are not neutral, but none of the wall where others hold its temperature.
+    /// Active effects: those that are not neutral, except wall effects if the wall temperature is prescribed.
     pub set: EffectSet,
-    /// Whether their own states are among the few that most sets of effects have.
+    /// Whether the first few own states suffice.
     pub few_states: bool,
     /// Whether wall and stroke are given by inputs.
     pub choices: Choices,
     /// Critical pressure ratios of the ports.
     pub critical_ratios: [f64; 2],
-    /// How far the piston can go.
+    /// Range of the piston.
     pub limits: Limits,
-    /// How finely to integrate.
+    /// Tolerance of the integration.
     pub tolerance: Tolerance<STATES>,
-    /// The closed form of this chamber with a kilogram of gas in it.
+    /// The closed form of this chamber with one kilogram of gas.
     kilogram: Closed,
 }
 
 impl Plant {
-    /// The plant with these parameters, integrated to this tolerance.
+    /// The plant with these parameters and this tolerance.
     pub fn new(parameters: &Parameters, tolerance: Tolerance<STATES>) -> Self {
         let chamber = parameters.chamber();
         let set = parameters.choices.admitted(chamber.active());
@@ -89,8 +87,8 @@ impl Plant {
         inputs.value[place]
     }
 
-    /// Internal energy, J, of a sealed gas after `h` seconds with its piston held: the exact solution. What the chamber
-    /// exchanges heat with depends on the gas's mass by its root alone.
+    /// Internal energy, J, of a sealed gas after `h` seconds with its piston held: the exact solution. The heat exchange
+    /// constants depend on the gas's mass only through its square root.
     fn held(&self, mass: f64, energy: f64, volume: f64, wall: f64, h: f64) -> f64 {
         let per_root = 1.0 / mass.sqrt();
         let exchange = self.kilogram.exchange.map(|one| one * per_root);
@@ -102,7 +100,7 @@ impl Plant {
     /// Volume at a position, m³.
     ///
     /// # Errors
-    /// When there is none, or more than any machine has: its gas could not be told in numbers.
+    /// If it is not positive, or larger than that of any machine: the gas would not be representable in numbers.
     pub fn volume_at(&self, position: f64) -> Result<f64, Fault> {
         let geometry = &self.balance.chamber.geometry;
         let volume = geometry.volume(position);
@@ -114,11 +112,11 @@ impl Plant {
     }
 }
 
-/// Volumes from here on are refused, m³.
+/// Volumes of this size and above are refused, m³.
 const LARGEST_VOLUME: f64 = 1e9;
 
 impl Gas {
-    /// A step in place of the sealed chamber with its piston held, the most frequent of all; whether this is one.
+    /// Steps a sealed chamber with its piston held in place, the most frequent case; returns whether this is one.
     pub fn hold(&mut self, plant: &Plant, inputs: &Inputs, h: f64) -> bool {
         let u = &inputs.value;
         let by_velocity = plant.choices.stroke_input == StrokeInput::Velocity;
@@ -140,10 +138,10 @@ impl Gas {
         true
     }
 
-    /// The gas `h` seconds later; `time` is that of the step's start, `record` takes the sensor's readings if given.
+    /// The gas `h` seconds later; `time` is the start of the step; `record`, if given, receives the sensor's readings.
     ///
     /// # Errors
-    /// Where no accurate step exists. The record may then hold part of the step.
+    /// If no accurate step exists. The record may then contain part of the step.
     pub fn after(
         &self,
         plant: &Plant,
@@ -189,7 +187,7 @@ impl Gas {
         Ok(gas)
     }
 
-    /// The states with the stroke taken up adiabatically to where the host says the piston is.
+    /// The states after an adiabatic jump to the host's position of the piston.
     fn taken_up(&self, plant: &Plant, inputs: &Inputs, begin: f64) -> Result<[f64; ALL], IntegrationError> {
         if begin == self.position || plant.choices.stroke_input == StrokeInput::Velocity {
             return Ok(self.states);
@@ -202,16 +200,16 @@ impl Gas {
 /// States at a step's end, the inner step to try next, and the means of the ports' flows.
 type Outcome = ([f64; ALL], f64, [f64; 4]);
 
-/// One step: a plant along its inputs.
+/// One step of a plant along its inputs.
 struct Course<'a> {
     plant: &'a Plant,
     inputs: &'a Inputs,
     motion: Motion<'a>,
-    /// When it begins, s.
+    /// Start of the step, s.
     time: f64,
     h: f64,
     inner_step: f64,
-    /// Whether only the position changes within the step, and that linearly.
+    /// Whether only the position changes within the step, linearly.
     is_straight: bool,
 }
 
@@ -221,7 +219,7 @@ impl Course<'_> {
         self.plant.wall(self.inputs)
     }
 
-    /// What is imposed `s` seconds into the step; ports as if they were open.
+    /// Boundary and surroundings `s` seconds into the step, with ports as if open.
     fn boundary_at(&self, s: f64) -> (Boundary, Around) {
         let mut u = self.inputs.values(s);
         (u[input::POSITION], u[input::VELOCITY]) = self.motion.at(s);
@@ -229,13 +227,13 @@ impl Course<'_> {
         (inputs::boundary(&u), around)
     }
 
-    /// What is imposed at the start of the step, with the inputs as they were set.
+    /// Boundary at the start of the step, from the inputs as set.
     fn boundary_at_begin(&self) -> Boundary {
         let (position, velocity) = self.motion.at(0.0);
         Boundary { position, velocity, ..inputs::boundary(&self.inputs.value) }
     }
 
-    /// Mass and energy, with heat and work.
+    /// Integrates mass and energy, with heat and work.
     fn gas_alone(&self, states: [f64; ALL]) -> Result<Outcome, Fault> {
         if self.is_straight {
             let start = Boundary { ambient_temperature: self.wall(), ..self.boundary_at_begin() };
@@ -249,7 +247,7 @@ impl Course<'_> {
         }
     }
 
-    /// As [`Course::gas_alone`], with the wall's temperature in the place of the surroundings', which nothing else needs.
+    /// As [`Course::gas_alone`], with the wall's temperature in place of the ambient one, which nothing else uses.
     fn gas_along(&self, mut states: [f64; ALL], boundary: impl Fn(f64) -> Boundary) -> Result<Outcome, Fault> {
         let Plant { balance, tolerance: Tolerance { relative, absolute }, .. } = self.plant;
         let rates = |s: f64, y: &[f64; GAS]| {
@@ -269,7 +267,7 @@ impl Course<'_> {
         Ok((states, inner_step, [0.0; 4]))
     }
 
-    /// The gas with heat and work, what passes the ports, `P` sums, and the effects' first `M` own states: `N` in all.
+    /// Integrates the gas with heat and work, the `P` sums of the ports, and the first `M` own states: `N` in all.
     fn in_all_states<const N: usize, const P: usize, const M: usize>(
         &self,
         states: [f64; ALL],
@@ -351,7 +349,7 @@ impl Course<'_> {
         Ok((states::with_sums(&gas_of(&end), end[HEAT_SUM], end[WORK_SUM], states[TRAVEL]), inner_step, flows))
     }
 
-    /// Integrates over the step, broken where the inputs have corners.
+    /// Integrates over the step, with breakpoints at the corners of the inputs.
     fn run<const N: usize>(
         &self,
         states: [f64; N],
@@ -379,7 +377,7 @@ impl Course<'_> {
         }
     }
 
-    /// Corners of the inputs within the step, ascending, s; the integration finds those beyond the number that is kept.
+    /// Breakpoints of the inputs within the step, ascending, s, up to a fixed number; the integration finds the others itself.
     fn breaks(&self) -> ([f64; MOST_BREAKS], usize) {
         let (mut times, mut count) = ([self.h; MOST_BREAKS], 0);
         let mut take = |time: f64| {
@@ -395,10 +393,10 @@ impl Course<'_> {
     }
 }
 
-/// Breakpoints of a step: three signs and, for a cubic stroke, as many crossings of either end.
+/// Limit of breakpoints in a step: three changes of sign and, for a cubic stroke, as many crossings of each end.
 const MOST_BREAKS: usize = 9;
 
-/// What the sensor shows before delay and drift, Pa.
+/// Sensor reading before delay and drift, Pa.
 pub fn reading(plant: &Plant, boundary: &Boundary, states: &[f64; STATES]) -> f64 {
     let contents = plant.balance.contents(boundary, states);
     let at = plant.balance.conditions(plant.set, boundary, &contents);

@@ -1,12 +1,12 @@
-//! Where the piston goes: along the host's position and velocity or along its velocity alone, between the cylinder's ends.
+//! Motion of the piston: from the host's position and velocity or from the velocity alone, between the cylinder's ends.
 //!
-//! x(s) = x_k + ∫ velocity ds, or the position's own derivatives where the host has set them; then limited to 0 ≤ x ≤ stroke
-//! where there is a stroke. At a limit the piston rests. Lengths in m, times in s.
+//! x(s) = x_k + ∫ velocity ds, or from the position's own derivatives if the host has set them; then limited to 0 ≤ x ≤ stroke if
+//! there is a stroke. At a limit the piston rests. Lengths in m, times in s.
 
 use super::inputs::Inputs;
 use super::values::{StrokeInput, input};
 
-/// How far the piston can go.
+/// Range of the piston.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     low: f64,
@@ -14,7 +14,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// A piston that no end stops.
+    /// No limits.
     pub const NONE: Limits = Limits { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
     /// Between the ends of a cylinder with that stroke, m; zero means no limits.
@@ -27,7 +27,7 @@ impl Limits {
         self.high.is_finite().then_some([position - self.low, self.high - position])
     }
 
-    /// Where a piston is that is said to be at `position` with that speed, and how fast it goes.
+    /// Position and speed after applying the limits.
     #[inline]
     pub fn apply(&self, position: f64, velocity: f64) -> (f64, f64) {
         if position < self.low || (position == self.low && velocity < 0.0) {
@@ -39,7 +39,7 @@ impl Limits {
         }
     }
 
-    /// Whether a piston at `position` is beyond them.
+    /// Whether a position is beyond the limits.
     pub fn excludes(&self, position: f64) -> bool {
         position < self.low || position > self.high
     }
@@ -49,21 +49,21 @@ impl Limits {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     inputs: &'a Inputs,
-    /// Where it begins if the velocity alone moves the piston, m.
+    /// Initial position if the velocity alone moves the piston, m.
     begin: Option<f64>,
     limits: Limits,
 }
 
-/// Parts in which a stroke that is no straight line is searched for the limits.
+/// Number of parts in which a curved stroke is searched for the limits.
 const PARTS: u32 = 32;
 
 impl<'a> Motion<'a> {
-    /// The stroke that these inputs make of a piston at `reached`, m.
+    /// The stroke from these inputs for a piston at `reached`, m.
     pub fn new(inputs: &'a Inputs, moved_by: StrokeInput, reached: f64, limits: Limits) -> Self {
         Self { inputs, begin: (moved_by == StrokeInput::Velocity).then_some(reached), limits }
     }
 
-    /// As the host says, m and m/s, `s` seconds into the step.
+    /// Position, m, and velocity, m/s, from the inputs, `s` seconds into the step.
     #[inline]
     fn said(&self, s: f64) -> (f64, f64) {
         match self.begin {
@@ -79,7 +79,7 @@ impl<'a> Motion<'a> {
         self.limits.apply(position, velocity)
     }
 
-    /// Whether the piston moves at one speed all through a step of `h` seconds.
+    /// Whether the piston has a constant speed throughout a step of `h` seconds.
     pub fn is_straight(&self, h: f64) -> bool {
         let led = match self.begin {
             Some(_) => self.inputs.led[input::VELOCITY],
@@ -89,7 +89,7 @@ impl<'a> Motion<'a> {
         !led && self.limits.apply(begin.0, begin.1) == begin && !self.limits.excludes(end.0)
     }
 
-    /// Times within a step of `h` seconds at which the piston comes to a limit or leaves it, handed to `take`.
+    /// Passes to `take` the times within a step of `h` seconds at which the piston reaches or leaves a limit.
     pub fn stops(&self, h: f64, mut take: impl FnMut(f64)) {
         for limit in [self.limits.low, self.limits.high] {
             if !limit.is_finite() {

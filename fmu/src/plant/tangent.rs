@@ -1,4 +1,4 @@
-//! Directions in the space of inputs, states and parameters, and the plant's equations along one.
+//! Directions in the space of inputs, states and parameters, and the plant's equations along one of them.
 
 use super::inputs;
 use super::port::Around;
@@ -16,24 +16,24 @@ pub type D = Dual<1>;
 /// A direction in the space of inputs, states and parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seed {
-    /// Of the real parameters.
+    /// Components for the real parameters.
     pub parameters: [f64; REALS],
-    /// Of the inputs.
+    /// Components for the inputs.
     pub inputs: [f64; INPUTS],
-    /// Of the states.
+    /// Components for the states.
     pub states: [f64; ALL],
-    /// Of the time since the start.
+    /// Component for the time since the start.
     pub elapsed: f64,
-    /// Of the reading of a delay earlier.
+    /// Component for the reading one delay earlier.
     pub delayed: f64,
 }
 
 impl Seed {
-    /// The direction in which nothing changes, to set components of.
+    /// The zero direction, whose components can be set.
     pub const ZERO: Seed =
         Seed { parameters: [0.0; REALS], inputs: [0.0; INPUTS], states: [0.0; ALL], elapsed: 0.0, delayed: 0.0 };
 
-    /// Effects whose parameters the direction changes: they count even where they are off.
+    /// Effects whose parameters the direction changes: they take part even if off.
     pub fn effects(&self) -> EffectSet {
         let changed = |&index: &usize| {
             let range = effects::PARAMETER_OFFSETS[index]..effects::PARAMETER_OFFSETS[index + 1];
@@ -43,33 +43,33 @@ impl Seed {
     }
 }
 
-/// A plant at one moment, but for its states.
+/// A plant at one moment, without its states.
 #[derive(Clone, Copy, Debug)]
 pub struct Here<'a> {
     /// Parameters as the host set them.
     pub parameters: &'a Parameters,
-    /// The effects that take part.
+    /// Active effects.
     pub set: EffectSet,
-    /// What sums are counted from.
+    /// Reference values of the sums.
     pub origin: &'a Origin,
-    /// Present inputs, with the position and the speed that the piston has.
+    /// Present inputs, with the piston's actual position and speed.
     pub inputs: [f64; INPUTS],
 }
 
 impl Here<'_> {
-    /// What sums are counted from, the same along every direction.
+    /// Reference values of the sums, with zero derivatives.
     pub fn lifted_origin(&self) -> Origin<D> {
         let Origin { mass, energy, position } = *self.origin;
         Origin { mass: mass.into(), energy: energy.into(), position: position.into() }
     }
 }
 
-/// Numbers with these derivatives.
+/// Dual numbers with these values and derivatives.
 pub fn lifted<const N: usize>(values: &[f64; N], tangent: &[f64; N]) -> [D; N] {
     core::array::from_fn(|i| Dual { value: values[i], tangent: [tangent[i]] })
 }
 
-/// The derivatives of everything.
+/// The derivatives of all values.
 pub fn tangents(all: &Present<D>) -> Present {
     Present {
         outputs: all.outputs.map(|d| d.tangent[0]),
@@ -78,7 +78,7 @@ pub fn tangents(all: &Present<D>) -> Present {
     }
 }
 
-/// Derivatives where states and position change together: no stroke is taken up.
+/// Derivatives where states and position change together, without a jump of the stroke.
 pub fn moving(
     here: &Here<'_>,
     seed: &Seed,
@@ -93,7 +93,7 @@ pub fn moving(
     tangents(&moment.evaluate(&lifted(states, &seed.states), &sensor(&balance), &here.lifted_origin()))
 }
 
-/// Rate of what the sensor shows before delay and drift, Pa/s, where the states change at these rates.
+/// Rate of the sensor reading before delay and drift, Pa/s, for these state rates.
 pub fn reading_rate(here: &Here<'_>, states: &[f64; ALL], rates: [f64; ALL]) -> f64 {
     let mut inputs = [0.0; INPUTS];
     inputs[input::POSITION] = here.inputs[input::VELOCITY];

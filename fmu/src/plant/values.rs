@@ -1,4 +1,4 @@
-//! Places of inputs, outputs and parameters in their arrays, and parameters as a chamber. SI units.
+//! Indices of inputs, outputs and parameters in their arrays, and parameters as a chamber. SI units.
 
 use chamber::effects::{self, EffectSet, EffectValues, PARAMETERS};
 use chamber::real::Real;
@@ -6,7 +6,7 @@ use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer, paper};
 
 /// Number of inputs.
 pub const INPUTS: usize = 14;
-/// Places among the inputs.
+/// Indices of the inputs.
 #[allow(missing_docs)]
 pub mod input {
     pub const POSITION: usize = 0;
@@ -17,14 +17,14 @@ pub mod input {
     pub const AMBIENT_TEMPERATURE: usize = 5;
     pub const AMBIENT_PRESSURE: usize = 6;
     pub const WALL_TEMPERATURE: usize = 7;
-    /// Pressure, temperature and conductance of the supply port; those of the exhaust port follow.
+    /// Pressure, temperature and conductance of the supply port, then those of the exhaust port.
     pub const SUPPLY_PORT: usize = 8;
     pub const EXHAUST_PORT: usize = 11;
 }
 
 /// Number of outputs.
 pub const OUTPUTS: usize = 18;
-/// Places among the outputs.
+/// Indices of the outputs.
 #[allow(missing_docs)]
 pub mod output {
     pub const PRESSURE: usize = 0;
@@ -36,7 +36,7 @@ pub mod output {
     pub const HEAT_FLOW: usize = 6;
     pub const COEFFICIENT: usize = 7;
     pub const PISTON_POSITION: usize = 8;
-    /// Mass and enthalpy flow through the supply port; those through the exhaust port follow.
+    /// Mass and enthalpy flow through the supply port, then those through the exhaust port.
     pub const SUPPLY_PORT: usize = 9;
     pub const EXHAUST_PORT: usize = 11;
     pub const INTERNAL_ENERGY: usize = 13;
@@ -48,9 +48,9 @@ pub mod output {
 
 /// Number of the chamber's own real parameters.
 pub const BASE: usize = 13;
-/// Number of real parameters, the effects' included.
+/// Number of real parameters, including the effects'.
 pub const REALS: usize = BASE + PARAMETERS;
-/// Places among the real parameters; the effects' follow from [`BASE`] on in their cards' order.
+/// Indices of the real parameters; the effects' follow from [`BASE`] in the order of their cards.
 #[allow(missing_docs)]
 pub mod parameter {
     pub const BORE: usize = 0;
@@ -71,24 +71,24 @@ pub mod parameter {
 /// What moves the piston.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrokeInput {
-    /// Position and velocity both; the volume at a communication point is that of the position.
+    /// Both position and velocity; the volume at a communication point follows from the position.
     PositionAndVelocity,
-    /// The velocity alone, from the start value of the position on.
+    /// The velocity alone, from the start value of the position.
     Velocity,
 }
 
-/// The parameters that are no numbers.
+/// The non-numerical parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choices {
     /// Which volume's lateral area exchanges heat.
     pub area_law: AreaLaw,
     /// What moves the piston.
     pub stroke_input: StrokeInput,
-    /// Whether the wall's temperature is the input's.
+    /// Whether the wall temperature is an input.
     pub external_wall: bool,
 }
 
-/// One of the parameters that are no numbers.
+/// One of the non-numerical parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// [`Choices::area_law`]: 1 total, 2 swept.
@@ -100,7 +100,7 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// All three, in the order of their variables.
+    /// All choices, in the order of their variables.
     pub const ALL: [Choice; 3] = [Choice::AreaLaw, Choice::StrokeInput, Choice::ExternalWall];
 }
 
@@ -120,7 +120,7 @@ impl Choices {
         }
     }
 
-    /// Sets a choice by its number; `None` where no choice has it.
+    /// Sets a choice by its number; `None` for an invalid number.
     pub fn with(mut self, choice: Choice, number: i32) -> Option<Self> {
         match (choice, number) {
             (Choice::AreaLaw, 1) => self.area_law = AreaLaw::Total,
@@ -134,16 +134,16 @@ impl Choices {
         Some(self)
     }
 
-    /// Those of some effects that can take part: where the wall's temperature is the input's, none that says how warm it is.
+    /// The effects of a set that may be active: with an external wall temperature, none that sets the wall temperature.
     pub fn admitted(self, set: EffectSet) -> EffectSet {
         if self.external_wall { set.without(effects::OF_WALL) } else { set }
     }
 }
 
-/// Everything that a host sets once or between steps.
+/// Values that a host sets once or between steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<R = f64> {
-    /// Real parameters, SI units, see [`parameter`].
+    /// Real parameters, SI units; indices in [`parameter`].
     pub real: [R; REALS],
     /// Parameters that are enumerations or Booleans.
     pub choices: Choices,
@@ -178,18 +178,18 @@ impl<R: Real> Parameters<R> {
         [self.real[parameter::SUPPLY_CRITICAL_RATIO], self.real[parameter::EXHAUST_CRITICAL_RATIO]]
     }
 
-    /// The same in another number type.
+    /// The same parameters in another number type.
     pub fn lift<S: Real + From<R>>(&self) -> Parameters<S> {
         Parameters { real: self.real.map(S::from), choices: self.choices }
     }
 }
 
-/// Start values of all that a host can set.
+/// Start values of all settable variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Starts {
     /// Start values of the parameters, SI units.
     pub parameters: Parameters,
-    /// Start values of the inputs, SI units, see [`input`].
+    /// Start values of the inputs, SI units; indices in [`input`].
     pub inputs: [f64; INPUTS],
 }
 
@@ -215,10 +215,10 @@ impl Default for Starts {
     }
 }
 
-/// Critical pressure ratio of a valve unless a host says otherwise: a usual one of spool valves, ISO 6358 data sheets.
+/// Default critical pressure ratio of a valve: typical of spool valves, ISO 6358 data sheets.
 pub const CRITICAL_RATIO: f64 = 0.3;
 
-/// Start values of the inputs: at rest at a position, m, closed, in these surroundings, K and Pa.
+/// Start values of the inputs: piston at rest at a position, m, chamber closed, in these surroundings, K and Pa.
 pub fn start_inputs(position: f64, ambient_temperature: f64, ambient_pressure: f64) -> [f64; INPUTS] {
     let mut inputs = [0.0; INPUTS];
     inputs[input::POSITION] = position;

@@ -1,34 +1,34 @@
-//! What an instance says to its host's log: a status, a category that the model description declares, a sentence.
+//! Messages of an instance for its host's log: a status, a category declared in the model description, and a sentence.
 
-/// Outcome of a call, with the numbers of the standard.
+/// Status of a call, numbered as in the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Status {
-    /// The call was done.
+    /// The call succeeded.
     Ok = 0,
-    /// Done, but something is to be looked at.
+    /// The call succeeded with a warning.
     Warning = 1,
-    /// Refused for its numbers; the instance is as before.
+    /// Refused because of its values; the instance is unchanged.
     Discard = 2,
-    /// Refused as a breach of the protocol, or the instance is broken.
+    /// Refused as a protocol violation, or the instance has panicked.
     Error = 3,
 }
 
-/// Log category of a message: its name is declared in the model description.
+/// Log category of a message; its name is declared in the model description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// What happens inside an accepted call.
+    /// Events within an accepted call.
     Events,
-    /// Calls that were done, though numbers in them are implausible.
+    /// Accepted calls with implausible values.
     Warning,
-    /// Numbers that were refused: the instance is as before and can be used on.
+    /// Refused values: the instance is unchanged and remains usable.
     Discard,
-    /// Calls that were refused as a breach of the protocol.
+    /// Calls refused as protocol violations.
     Error,
 }
 
 impl Category {
-    /// Every category with what it holds, as the model description declares them.
+    /// All categories with their descriptions, as declared in the model description.
     pub const ALL: [(Category, &'static str, &'static str); 4] = [
         (
             Category::Events,
@@ -48,19 +48,19 @@ impl Category {
         ),
     ];
 
-    /// Name of the category, as the model description declares it and the host's logger gets it.
+    /// Name of the category in the model description and for the host's logger.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 }
 
-/// A sentence for the host's log.
+/// A message for the host's log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// Status that the host's logger gets with it.
+    /// Status passed to the host's logger.
     pub status: Status,
-    /// Log category, by which a host chooses what it hears of.
+    /// Log category, by which a host filters messages.
     pub category: Category,
-    /// What happened, at which value and time, and what to do; in the words of FMI 2.0.
+    /// What happened, with value and time, and what to do; in the terms of FMI 2.0.
     pub text: String,
 }

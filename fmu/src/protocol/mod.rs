@@ -1,5 +1,5 @@
-//! One instance as a host sees it, without C and without a version of FMI: the phases of its life, batches that are taken
-//! whole or not at all, saved states, refusals and warnings in sentences.
+//! One instance as seen by a host, independent of C and of the FMI version: the phases of its life cycle, all-or-nothing batches,
+//! saved states, and refusals and warnings as sentences.
 
 pub mod instance;
 pub mod message;

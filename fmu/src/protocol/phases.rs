@@ -1,4 +1,4 @@
-//! Phases of an instance's life, and what belongs to each: the standard's state machine as a table.
+//! Phases of an instance's life cycle, and the functions allowed in each: the standard's state machine as a table.
 
 /// Phase of the life cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub enum Phase {
     Initialization = 1,
     /// Between steps of co-simulation.
     Step = 2,
-    /// After termination: values can be read, nothing goes on.
+    /// After termination: values can be read, but the simulation is over.
     Terminated = 3,
     /// In event mode.
     Event = 4,
@@ -25,18 +25,18 @@ impl Phase {
 
     /// Phases before the end of initialization, where fixed parameters can be set.
     pub const BEFORE: [Phase; 2] = [Phase::Instantiated, Phase::Initialization];
-    /// Once initialization is over, while there is something to simulate.
+    /// Phases of a running simulation, after initialization.
     pub const RUNNING: [Phase; 3] = [Phase::Step, Phase::Event, Phase::Continuous];
-    /// Where variables can be set.
+    /// Phases in which variables can be set.
     pub const SETTABLE: [Phase; 5] =
         [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous];
-    /// Where outputs are known.
+    /// Phases in which outputs are known.
     pub const KNOWN: [Phase; 5] =
         [Phase::Initialization, Phase::Step, Phase::Event, Phase::Continuous, Phase::Terminated];
-    /// Where a host that integrates asks for states, rates and indicators.
+    /// Phases in which a host that integrates may get states, rates and indicators.
     pub const EXCHANGE: [Phase; 4] = [Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 
-    /// Where in its life an instance is, as a refusal says it.
+    /// The phase in words, for a refusal.
     pub fn told(self) -> &'static str {
         match self {
             Phase::Instantiated => "before initialization mode",

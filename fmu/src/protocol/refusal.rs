@@ -1,39 +1,39 @@
-//! Why a call was refused: one sentence for the host's log, and the FMI status that goes with it.
+//! Why a call was refused: one sentence for the host's log, and the corresponding FMI status.
 //!
-//! `fmi2Discard` is for numbers that cannot be used: the instance stays as it was and can be used on. `fmi2Error` is
-//! for a broken protocol (wrong order, NULL, unknown references); it too leaves the instance as it was.
+//! `fmi2Discard` is for unusable values: the instance is unchanged and remains usable. `fmi2Error` is for protocol violations
+//! (wrong order, NULL, unknown references); it also leaves the instance unchanged.
 
 use super::message::{Category, Status};
 use crate::plant::fault::Fault;
 use crate::table::units::behind;
 use thiserror::Error;
 
-/// Why a call was refused. Names are the model description's, arguments the standard's; values are in the variable's unit, times
-/// in s.
+/// Why a call was refused. Names are those of the model description, arguments those of the standard; values are in the
+/// variable's unit, times in s.
 #[allow(missing_docs)]
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// Not in this phase of the life cycle.
+    /// Not allowed in this phase of the life cycle.
     #[error("not allowed {phase}; {advice}")]
     OutOfOrder {
-        /// Where in its life the instance is: "before initialization mode" and the like.
+        /// Phase of the instance, such as "before initialization mode".
         phase: &'static str,
-        /// Call that comes first, or that helps.
+        /// The call to make first, or the remedy.
         advice: &'static str,
     },
-    /// A pointer is NULL that must not be.
+    /// A pointer is NULL but must not be.
     #[error("{argument} is NULL")]
     Null { argument: &'static str },
-    /// An array length that no host means.
+    /// An implausible array length.
     #[error("{argument} = {length} is too long: this FMU takes at most {limit} elements at once")]
     TooLong { argument: &'static str, length: usize, limit: usize },
-    /// Another number of states or indicators than there are.
+    /// A wrong number of states or indicators.
     #[error("{argument} is {length}; expected {expected}")]
     WrongLength { argument: &'static str, length: usize, expected: usize },
     /// No variable has this reference.
     #[error("value reference {reference} belongs to no variable; the model description lists 0 to {last}")]
     UnknownReference { reference: u32, last: u32 },
-    /// A variable that a host can read and use in nothing else.
+    /// A variable that can only be read.
     #[error("{name} (value reference {reference}) can only be read, with {getter}")]
     OnlyRead { name: &'static str, reference: u32, getter: &'static str },
     /// The variable is of another type.
@@ -44,7 +44,7 @@ pub enum Refusal {
     NotSettable {
         name: &'static str,
         value: f64,
-        /// The rule that forbids it, as a clause, with what to do instead.
+        /// The violated rule, as a clause, with the alternative.
         why: &'static str,
     },
     /// A variable whose value is not known yet.
@@ -56,70 +56,70 @@ pub enum Refusal {
     /// Outside the variable's bounds.
     #[error("{name} = {value}{of} lies outside {min} to {max}{of}; nothing was set", of = behind(unit))]
     OutOfRange { name: &'static str, value: f64, unit: &'static str, min: f64, max: f64 },
-    /// Derivatives of a variable that has none for the host.
+    /// A variable without derivatives for the host.
     #[error("{name} is not an {wanted}: it has no derivatives to {action}")]
     NoDerivative {
         name: &'static str,
-        /// Kind of variable that the function is for: "input" or "output".
+        /// Kind of variable required by the function: "input" or "output".
         wanted: &'static str,
-        /// What the host wanted to do: "set" or "get".
+        /// The attempted action: "set" or "get".
         action: &'static str,
     },
     /// An order that is not supported.
     #[error("{name} has no derivative of order {order}: this FMU supports orders 1 to {highest}")]
     DerivativeOrder { name: &'static str, order: i32, highest: i32 },
-    /// A directional derivative with a variable in the wrong place.
+    /// A directional derivative with a variable in the wrong role.
     #[error("{name} cannot be {place} of a directional derivative; {advice}")]
     NoDirection {
         name: &'static str,
-        /// Where the host put the variable: "an unknown" or "a known".
+        /// Role given to the variable by the host: "an unknown" or "a known".
         place: &'static str,
         advice: &'static str,
     },
-    /// A number of the experiment or the step is of no use.
+    /// An invalid number of the experiment or step.
     #[error("{argument} = {value}: {expected}")]
     BadArgument {
         argument: &'static str,
         value: f64,
-        /// Values that can be used, as a clause.
+        /// Valid values, as a clause.
         expected: &'static str,
     },
-    /// The step does not begin where the last one ended.
+    /// The step does not start where the last one ended.
     #[error(
         "the step begins at t = {asked} s, but the last one ended at t = {reached} s; restore a saved state to go back"
     )]
     WrongPoint { asked: f64, reached: f64 },
-    /// Beyond the experiment's end.
+    /// Beyond the stop time.
     #[error("the step ends at t = {end} s, beyond the stop time {stop} s that the host announced")]
     BeyondStop { end: f64, stop: f64 },
-    /// The plant cannot go on.
+    /// The plant cannot continue.
     #[error(transparent)]
     Plant(#[from] Fault),
-    /// Saved state that is none.
+    /// An invalid saved state.
     #[error("{why}")]
     BadState {
-        /// What is wrong with the handle, as a sentence.
+        /// The problem with the handle, as a sentence.
         why: &'static str,
     },
-    /// Bytes that are no state of this FMU.
+    /// Bytes that are not a state of this FMU.
     #[error("the serialized state cannot be used: {why}")]
     BadBytes {
-        /// What is wrong with the bytes, as a clause.
+        /// The problem with the bytes, as a clause.
         why: &'static str,
     },
-    /// What is asked for does not exist in this FMU.
+    /// A feature that this FMU does not have.
     #[error("{what}")]
     NotOffered {
-        /// What there is none of, and what to use instead, as a sentence.
+        /// What is missing, and the alternative, as a sentence.
         what: &'static str,
     },
-    /// The instance broke down before.
+    /// The instance panicked in an earlier call.
     #[error("this instance broke down in an earlier call; call fmi2Reset to use it again")]
     Broken,
 }
 
 impl Refusal {
-    /// The status the call returns.
+    /// The status returned by the call.
     pub fn status(&self) -> Status {
         use Refusal::*;
         match self {
@@ -131,7 +131,7 @@ impl Refusal {
         }
     }
 
-    /// The category it is logged under.
+    /// The log category.
     pub fn category(&self) -> Category {
         match self.status() {
             Status::Discard => Category::Discard,

@@ -3,10 +3,10 @@
 use super::phases::Phase;
 use crate::plant::simulation::Simulation;
 
-/// What saved states hold: a simulation and its phase.
+/// Contents of a saved state: a simulation and its phase.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// Where in its life cycle the instance was.
+    /// Phase of the instance's life cycle.
     pub phase: Phase,
     /// Time, states, inputs and parameters, with the history of a delayed record.
     pub simulation: Simulation,

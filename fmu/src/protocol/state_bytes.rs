@@ -1,7 +1,7 @@
-//! A saved state as bytes, and back: no pointers, little-endian, the same on every platform.
+//! Encodes a saved state as bytes, and decodes it: no pointers, little-endian, the same on every platform.
 //!
-//! magic (8) · version (4) · CRC-32 of all that follows (4) · FMU's guid (40) · payload. Bytes are taken only if they are
-//! whole, of this FMU, of this version, and if what they say makes an instance: finite numbers within their bounds.
+//! magic (8) · version (4) · CRC-32 of all that follows (4) · FMU's guid (40) · payload. Bytes are accepted only if complete,
+//! from this FMU and this version, and if their contents are valid for an instance: finite numbers within bounds.
 
 use super::phases::Phase;
 use super::refusal::Refusal;
@@ -19,7 +19,8 @@ use crate::table::admits;
 
 const MAGIC: [u8; 8] = *b"PNTFMUS\0";
 const VERSION: u32 = 3;
-/// How far, relative to the time or 1 s, a record may reach beyond the present time: the host's clock counts, not the sum of steps.
+/// How far a record may extend beyond the present time, relative to the time or 1 s: the host's clock is authoritative, not the
+/// sum of steps.
 const CLOCK: f64 = 1e-6;
 const HEAD: usize = 8 + 4 + 4 + GUID_LENGTH;
 
@@ -71,10 +72,10 @@ fn payload(snapshot: &Snapshot, out: &mut Vec<u8>) {
     }
 }
 
-/// The snapshot that these bytes hold.
+/// The snapshot encoded by these bytes.
 ///
 /// # Errors
-/// When they hold none of this FMU.
+/// If they encode no state of this FMU.
 pub fn decode(bytes: &[u8], guid: &str) -> Result<Snapshot, Refusal> {
     let bad = |why| Err(Refusal::BadBytes { why });
     if bytes.len() < HEAD || bytes[..8] != MAGIC {
@@ -123,7 +124,7 @@ impl Reader<'_> {
         }
     }
 
-    /// One of these, by the number that it is.
+    /// The item of `all` with the encoded number.
     fn one_of<T: Copy>(&mut self, all: &[T], number: impl Fn(T) -> u8) -> Option<T> {
         let value = self.real()?;
         all.iter().copied().find(|one| f64::from(number(*one)) == value)
@@ -202,7 +203,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether the numbers are such as an instance can have.
+/// Whether the values are possible for an instance.
 fn makes_sense(snapshot: &Snapshot) -> bool {
     let Snapshot { phase, simulation: s } = snapshot;
     let within = admits(&Starts { parameters: s.parameters, inputs: s.inputs.value });
@@ -211,7 +212,7 @@ fn makes_sense(snapshot: &Snapshot) -> bool {
         Phase::Continuous => s.kind == Kind::ModelExchange,
         _ => true,
     };
-    // A host that integrates may have set any states.
+    // A host that integrates may have set arbitrary states.
     let gas = !s.started
         || s.kind == Kind::ModelExchange
         || (s.gas.states[0] > 0.0 && s.gas.states[1] > 0.0 && s.absolute.iter().all(|a| *a >= 0.0));

@@ -1,22 +1,22 @@
-//! What an instance does not refuse and yet should be looked at: each kind is told once until it is reset.
+//! Warnings about accepted but questionable values: each kind is given once until the instance is reset.
 
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
 use crate::table::effects;
 use chamber::balance::{ENERGY, MASS};
 
-/// Pressures beyond this are implausible, Pa: pneumatic cylinders work up to about a tenth of it, and a perfect gas with
-/// constant heat capacities is off by some percent there.
+/// Limit of plausible pressures, Pa: pneumatic cylinders use up to about a tenth of it, and there a perfect gas with constant
+/// heat capacities is off by some percent.
 const HIGHEST_PRESSURE_PA: f64 = 1e7;
-/// Temperatures outside these are implausible, K: the heat capacities of air leave their constant value.
+/// Plausible temperatures, K: outside them, the heat capacities of air are not constant.
 const TEMPERATURES_K: std::ops::RangeInclusive<f64> = 150.0..=700.0;
-/// Speeds beyond this are implausible, m/s: the gas would no longer have one pressure.
+/// Limit of plausible speeds, m/s: above it the gas would not have a uniform pressure.
 const HIGHEST_SPEED: f64 = 20.0;
-/// Positions beyond the stroke by less are noise, m.
+/// Positions beyond the stroke by less than this are noise, m.
 const NOISE_M: f64 = 1e-5;
-/// A disagreement counts where it changes the volume by more than this share...
+/// A disagreement counts if it changes the volume by more than this fraction...
 const VOLUME_SHARE: f64 = 0.01;
-/// ...and is more than this share of the way that either says the piston made.
+/// ...and exceeds this fraction of the larger of the two travels.
 const WAY_SHARE: f64 = 0.5;
 
 /// Kinds of warnings.
@@ -30,7 +30,7 @@ enum Warning {
     Speed,
 }
 
-/// Which warnings have been given, and what is needed to give the others.
+/// Warnings already given, and the data needed for the others.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings {
     given: [bool; 6],
@@ -39,7 +39,7 @@ pub struct Warnings {
     velocity: f64,
 }
 
-/// Where a piston was when the last step began or was completed.
+/// The piston at the start of the last step, or when it was completed.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     time: f64,
@@ -47,12 +47,12 @@ struct Way {
 }
 
 impl Warnings {
-    /// Forgets where the piston was: time or state were set anew.
+    /// Forgets the piston's last position: time or state was set.
     pub fn lose_track(&mut self) {
         self.previous = None;
     }
 
-    /// Looks at parameters that a host has set, at the end of initialization or later.
+    /// Checks parameters set by a host, at the end of initialization or later.
     pub fn of_parameters(&mut self, now: &Simulation, tell: &mut impl FnMut(String)) {
         let off = now.plant.balance.chamber.active().without(now.plant.set);
         if !off.is_empty() {
@@ -63,7 +63,7 @@ impl Warnings {
         }
     }
 
-    /// Looks at a simulation after a step from `begin`, m, to which the host moved a piston that had reached `reached`, m.
+    /// Checks a simulation after a step from `begin`, m, to which the host moved the piston from `reached`, m.
     pub fn after_step(&mut self, now: &Simulation, reached: f64, begin: f64, tell: &mut impl FnMut(String)) {
         let u = &now.inputs.value;
         if let Some(previous) = self.previous.filter(|_| !now.is_moved_by_velocity()) {
@@ -76,7 +76,7 @@ impl Warnings {
         self.look(now, position, said, velocity, tell);
     }
 
-    /// Looks at a simulation of a host that integrates, at a completed step.
+    /// Checks the simulation of a host that integrates at a completed step.
     pub fn at_completed_step(&mut self, now: &Simulation, tell: &mut impl FnMut(String)) {
         let (u, here) = (now.inputs.present(), now.here());
         let (time, position) = (now.time, here[input::POSITION]);
@@ -90,7 +90,7 @@ impl Warnings {
         self.look(now, position, said, u[input::VELOCITY], tell);
     }
 
-    /// Ways that position and velocity say the piston has made.
+    /// Checks that the travels from position and velocity agree.
     fn disagreement(&mut self, now: &Simulation, [by_position, by_velocity]: [f64; 2], tell: &mut impl FnMut(String)) {
         let apart = (by_position - by_velocity).abs();
         let geometry = &now.plant.balance.chamber.geometry;
@@ -120,7 +120,7 @@ impl Warnings {
         let states = &now.gas.states;
         let chamber = &now.plant.balance.chamber;
         let (scaled, volume) = (now.plant.balance.expansion * states[ENERGY], chamber.geometry.volume(position));
-        // Compared as products: a step need not wait for divisions.
+        // Compared as products, to avoid divisions in each step.
         if scaled > HIGHEST_PRESSURE_PA * volume {
             let pressure = scaled / volume;
             self.once(Warning::Pressure, tell, || {

@@ -1,5 +1,4 @@
-//! The chamber's parameters that are no numbers: two enumerations, which the model description declares as types, and a
-//! Boolean.
+//! The chamber's non-numerical parameters: two enumerations, which the model description declares as types, and a Boolean.
 
 use super::effects;
 use super::units;
@@ -24,7 +23,7 @@ pub static STROKE_INPUT: Enumeration = Enumeration {
     ],
 };
 
-/// The enumerations that the model description declares.
+/// The enumerations declared in the model description.
 pub static ENUMERATIONS: [&Enumeration; 2] = [&AREA_LAW, &STROKE_INPUT];
 
 /// The parameters that are enumerations or Booleans.

@@ -1,4 +1,4 @@
-//! Parameters of the effects, as their cards declare them: a new effect's file makes its variables.
+//! Parameters of the effects, from their cards: a new effect's file provides its variables.
 
 use super::units;
 use super::variable::{Role, Type, Variability, Variable};
@@ -8,16 +8,16 @@ use chamber::effects::empirical::{Curve, Empirical, Term};
 use chamber::effects::{self, EffectSet};
 use chamber::words::listed;
 
-/// The effects that an FMU has: all but those on a record of the stroke, as here the stroke is the true one. Of an effect
-/// that is a table its numbers are variables; what the table is of is the model's, and stays.
+/// The effects of an FMU: all except those on the stroke record, because here the stroke is the true one. For a table effect only
+/// its numbers are variables; the term and variable of the table are fixed by the model.
 pub fn effects_here() -> impl Iterator<Item = (usize, &'static Card)> {
     effects::all().filter(|(_, card)| card.acts_on != ActsOn::RecordedStroke)
 }
 
-/// Whether an FMU can have an effect with these parameters.
+/// Checks that an FMU can include an effect with these parameters.
 ///
 /// # Errors
-/// The reason why not, as a sentence.
+/// The reason, as a sentence.
 pub fn exported(effect: usize, values: &[f64]) -> Result<(), String> {
     if effect != Empirical::PLACE {
         return Ok(());
@@ -30,7 +30,7 @@ pub fn exported(effect: usize, values: &[f64]) -> Result<(), String> {
     }
 }
 
-/// The parameters of the effects that an FMU has.
+/// The parameters of the FMU's effects.
 pub(super) fn parameters(table: &mut Vec<Variable>) {
     for (index, card) in effects_here() {
         for (i, p) in card.parameters.iter().enumerate().filter(|(_, p)| p.is_variable()) {
@@ -58,7 +58,7 @@ pub fn parameter_name(card: &Card, parameter: &Parameter) -> String {
     }
 }
 
-/// The effects of a set in words: `wallHeating, warmWall and wallConduction`.
+/// The names of a set's effects as a list: `wallHeating, warmWall and wallConduction`.
 pub fn words(set: EffectSet) -> String {
     let names: Vec<String> = effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| camel(card.name)).collect();
     listed(&names)

@@ -1,15 +1,15 @@
-//! The one table of variables. A variable's value reference is its place in the table. Model description, getters, setters,
-//! saved states and derivatives all read this table.
+//! The one table of variables. A variable's value reference is its index in the table. Model description, getters, setters, saved
+//! states and derivatives all use this table.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
 //! | [`variable`] | one variable |
-//! | `own` | the chamber's real inputs, outputs and parameters, by hand |
-//! | [`choices`] | parameters that are no numbers, by hand |
+//! | `own` | the chamber's real inputs, outputs and parameters, listed by hand |
+//! | [`choices`] | non-numerical parameters, listed by hand |
 //! | [`effects`] | the effects' parameters, from their cards |
-//! | [`states`] | continuous states and their rates, the effects' from their cards |
+//! | [`states`] | continuous states and their rates; those of the effects from their cards |
 //!
-//! [`units`] has the quantities that they declare, [`structure`] what depends on what.
+//! [`units`] has their quantities, [`structure`] their dependencies.
 
 pub mod choices;
 pub mod effects;
@@ -24,21 +24,21 @@ use crate::plant::values::Starts;
 use std::sync::LazyLock;
 use variable::{Role, Variable};
 
-/// Communication step that the descriptions propose, s.
+/// Communication step suggested in the descriptions, s.
 pub const STEP_S: f64 = 1e-3;
 
-/// Every variable; a variable's value reference is its place here.
+/// All variables; a variable's value reference is its index.
 pub fn table() -> &'static [Variable] {
     static TABLE: LazyLock<Vec<Variable>> = LazyLock::new(build);
     &TABLE
 }
 
-/// Place of the variable with this role.
+/// Index of the variable with this role.
 pub fn place(role: Role) -> Option<usize> {
     table().iter().position(|v| v.role == role)
 }
 
-/// Place of the variable that is the continuous state of that index.
+/// Index of the variable for a continuous state.
 pub fn place_of_state(state: usize) -> Option<usize> {
     place(states::role_of_state(state))
 }
@@ -48,7 +48,7 @@ pub fn nominals() -> [f64; ALL] {
     core::array::from_fn(|state| place_of_state(state).map_or(1.0, |place| table()[place].nominal))
 }
 
-/// A start value, or the present value of a variable that a host can set.
+/// The start or present value of a settable variable.
 pub fn settable(starts: &Starts, role: Role) -> Option<f64> {
     match role {
         Role::Input(i) => Some(starts.inputs[i]),
@@ -58,7 +58,7 @@ pub fn settable(starts: &Starts, role: Role) -> Option<f64> {
     }
 }
 
-/// Whether every value that a host can set lies within its variable's bounds.
+/// Whether all settable values lie within their variables' bounds.
 pub fn admits(starts: &Starts) -> bool {
     table().iter().all(|v| settable(starts, v.role).is_none_or(|value| v.admits(value)))
 }

@@ -1,11 +1,11 @@
-//! The chamber's own real variables, listed by hand: inputs, outputs and parameters with unit, bounds and meaning. Their order
-//! is that of their places in [`crate::plant::values`].
+//! The chamber's own real variables, listed by hand: inputs, outputs and parameters with unit, bounds and meaning, in the order
+//! of their indices in [`crate::plant::values`].
 
 use super::units::{self, Quantity};
 use super::variable::{Role, Type, Variability, Variable};
 use crate::plant::values::{INPUTS, OUTPUTS, parameter};
 
-/// A real variable: name, quantity, smallest and largest value, order of magnitude, meaning.
+/// A real variable: name, quantity, minimum, maximum, order of magnitude, meaning.
 struct Row(&'static str, &'static Quantity, Option<f64>, Option<f64>, f64, &'static str);
 
 /// Appends the inputs: motion of the piston, flows, surroundings, in the order of their references.
@@ -56,7 +56,7 @@ pub(super) fn outputs(table: &mut Vec<Variable>) {
     push(table, &rows, Variability::Continuous, Role::Output);
 }
 
-/// The parameters that are numbers.
+/// The numerical parameters.
 #[rustfmt::skip]
 pub(super) fn parameters(table: &mut Vec<Variable>) {
     let fixed: [Row; 6] = [

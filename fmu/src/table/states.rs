@@ -1,5 +1,5 @@
-//! The continuous states among the variables: outputs for the gas and the sums, variables of their own for the effects'
-//! states and the piston's travel; and the rate of each.
+//! The continuous states as variables: outputs for the gas and the sums, separate variables for the effects' states and the
+//! piston's travel; and the rate of each.
 
 use super::effects::camel;
 use super::units::{self, Quantity};
@@ -9,7 +9,7 @@ use crate::plant::values::output;
 use chamber::balance::{ENERGY, MASS, STATES};
 use chamber::effects;
 
-/// What the continuous state of that index is among the variables: an output for the gas's and the sums.
+/// Role of the variable for a continuous state: an output for those of the gas and the sums.
 pub fn role_of_state(state: usize) -> Role {
     match state {
         MASS => Role::Output(output::MASS),
@@ -25,7 +25,7 @@ pub fn state_of_role(role: Role) -> Option<usize> {
     (0..ALL).find(|&state| role_of_state(state) == role)
 }
 
-/// The states that are no outputs, and the rates of all.
+/// The states that are not outputs, and the rates of all.
 pub(super) fn variables(table: &mut Vec<Variable>) {
     let mut own: Vec<(String, String, &'static Quantity, f64)> = Vec::new();
     for (_, card) in effects::all() {

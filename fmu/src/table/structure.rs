@@ -1,6 +1,6 @@
-//! What depends on what, found by asking: directional derivatives at probes that switch every effect, port and choice on,
-//! alone and together. A new effect's dependencies follow from its equations; none is listed by hand. One structure serves
-//! both kinds of simulation: it is the union of what each depends on.
+//! Dependencies between variables, determined from directional derivatives at probes that switch every effect, port and choice
+//! on, alone and together. A new effect's dependencies thus follow from its equations; none is listed by hand. One structure, the
+//! union of both, serves both kinds of simulation.
 
 use super::table;
 use super::variable::{Role, Type, Variable};
@@ -16,20 +16,20 @@ use chamber::balance::{self, ENERGY, MASS, OWN};
 use chamber::card::Kind as Holds;
 use chamber::effects::{self, OWN_STATES};
 
-/// Smallest derivative that counts, with known and unknown in units of their nominal values. Far below any law's, far
-/// above what rounding and the adiabatic stroke's integration leave.
+/// Smallest derivative that counts, with known and unknown scaled by their nominal values. Far below that of any law, far above
+/// the errors of rounding and of the adiabatic stroke's integration.
 const NOTICEABLE: f64 = 1e-9;
 
-/// An unknown and what it depends on, as places in the table.
+/// An unknown and its dependencies, as indices in the table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// Place of the unknown.
+    /// Index of the unknown.
     pub variable: usize,
-    /// Places of the variables it depends on, ascending.
+    /// Indices of the variables it depends on, ascending.
     pub dependencies: Vec<usize>,
 }
 
-/// Dependencies of the unknowns with these roles once initialization is over: on inputs and continuous states.
+/// Dependencies of the unknowns with these roles after initialization: on inputs and continuous states.
 pub fn between_steps(unknowns: impl Fn(Role) -> bool) -> Vec<Unknown> {
     let known = |v: &Variable| matches!(v.role, Role::Input(_)) || super::states::state_of_role(v.role).is_some();
     dependencies(&probes(true), unknowns, known)
@@ -41,7 +41,7 @@ pub fn in_initialization() -> Vec<Unknown> {
     dependencies(&probes(false), |role| value(&Present::ZERO, role).is_some(), known)
 }
 
-/// The direction of one variable; `None` where it is no known. States are knowns once initialization is over.
+/// Adds one variable's component to a direction; `false` if it is not a known. States are knowns after initialization.
 pub fn seed(seed: &mut Seed, role: Role, started: bool, value: f64) -> bool {
     match (role, super::states::state_of_role(role)) {
         (Role::Input(i), _) => seed.inputs[i] += value,
@@ -74,7 +74,7 @@ fn dependencies(
     all.map(|(variable, dependencies)| Unknown { variable, dependencies }).collect()
 }
 
-/// Adds the other entries of a table of parameters of which some are there: which of them count where depends on its knots.
+/// Adds the other entries of partly included parameter tables: which entries matter depends on the knots.
 fn whole_tables(dependencies: &mut Vec<usize>) {
     let of_table = |place: usize| {
         let Variable { name, role: Role::Parameter(_), .. } = &table()[place] else { return None };
@@ -85,7 +85,7 @@ fn whole_tables(dependencies: &mut Vec<usize>) {
     *dependencies = (0..table().len()).filter(|place| dependencies.contains(place) || is_theirs(*place)).collect();
 }
 
-/// Derivatives by one variable; for a choice, the difference between the two.
+/// Derivatives with respect to one variable; for a choice, the difference between its two values.
 fn derivative(probe: &Simulation, variable: &Variable) -> Present {
     if let Role::Choice(choice) = variable.role {
         let mut other = probe.clone();
@@ -103,7 +103,7 @@ fn derivative(probe: &Simulation, variable: &Variable) -> Present {
     derivatives::along(probe, &along).unwrap_or(Present::ZERO)
 }
 
-/// The value that belongs to a role, if it is a calculated one.
+/// The value of a role, if it is a calculated one.
 pub fn value(present: &Present, role: Role) -> Option<f64> {
     match role {
         Role::Output(i) => Some(present.outputs[i]),
@@ -121,7 +121,7 @@ fn minus(one: &Present, other: &Present) -> Present {
     }
 }
 
-/// Chambers out of equilibrium, moving, with flows both ways, above and below the surroundings' and the ports' pressures;
+/// Chambers out of equilibrium, moving, with flows in both directions, above and below the pressures of surroundings and ports;
 /// each effect alone at its typical values and with each of its words, none, and all; integrated by either side, with each
 /// choice.
 fn probes(started: bool) -> Vec<Simulation> {
@@ -133,7 +133,7 @@ fn probes(started: bool) -> Vec<Simulation> {
     let mut probes: Vec<Simulation> = alone.iter().chain(&sets).flat_map(of_set).collect();
     for kind in [Kind::CoSimulation, Kind::ModelExchange] {
         for set in &sets {
-            // An external wall takes effects out: it must not hide what they depend on where the velocity moves the piston.
+            // An external wall disables effects: it must not hide their dependencies when the velocity moves the piston.
             for external_wall in [false, true] {
                 let mut chosen = probe(started, kind, set, 1e5);
                 chosen.parameters.choices.stroke_input = StrokeInput::Velocity;
@@ -151,12 +151,12 @@ fn probes(started: bool) -> Vec<Simulation> {
     probes
 }
 
-/// Effects that are on, with their parameters.
+/// Active effects with their parameters.
 type Effects = Vec<(usize, Vec<f64>)>;
 
-/// An effect's typical values; a table once for each meaning that its words give it, over any value of what it follows.
+/// An effect's typical values; for a table, once for each combination of its words, over the whole range of its variable.
 fn values(effect: usize) -> impl Iterator<Item = Vec<f64>> {
-    /// Reaches beyond every variable, in its unit.
+    /// Exceeds the range of every variable, in its unit.
     const RANGE: f64 = 1e6;
     let card = &effects::CARDS[effect];
     let mut all = vec![card.parameters.iter().map(|p| p.typical).collect::<Vec<f64>>()];
@@ -196,7 +196,7 @@ fn probe(started: bool, kind: Kind, set: &Effects, around_pressure: f64) -> Simu
     u[input::MASS_FLOW_IN] = 1e-3;
     u[input::TEMPERATURE_IN] = 280.0;
     u[input::MASS_FLOW_OUT] = 2e-3;
-    // One port above, one below the gas, so that both ratios and temperatures count.
+    // One port above and one below the gas pressure, so that both ratios and temperatures matter.
     u[input::SUPPLY_PORT..][..3].copy_from_slice(&[4e5, 310.0, 1e-8]);
     u[input::EXHAUST_PORT..][..3].copy_from_slice(&[around_pressure, 300.0, 2e-8]);
     if around_pressure < 3e5 {
@@ -211,7 +211,7 @@ fn probe(started: bool, kind: Kind, set: &Effects, around_pressure: f64) -> Simu
     let boundary = crate::plant::inputs::boundary(&u);
     let mut gas = balance::state_at(&simulation.plant.balance.chamber, &boundary, 3e5, 350.0);
     for own in 0..OWN_STATES {
-        // Off equilibrium, each by another share.
+        // Off equilibrium, each by a different fraction.
         gas[OWN + own] *= 1.0 + 0.02 * (own as f64 + 1.0);
     }
     simulation.started = true;
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn at_the_start_the_mass_follows_from_geometry_gas_and_initial_state() {
         let mass = names(&in_initialization(), Role::Output(output::MASS));
-        // The far end of the cylinder, at its stroke, may hold the piston.
+        // The far end of the cylinder, given by the stroke, may hold the piston.
         let expected = [
             "position", "bore", "rodDiameter", "deadVolume", "initialPressure", "initialTemperature", "stroke",
             "gasConstant",

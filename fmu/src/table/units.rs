@@ -1,24 +1,24 @@
-//! Units, their base units and display units, and the physical quantities that the variables declare.
+//! Units with base and display units, and the physical quantities of the variables.
 
 use chamber::card;
 
 /// A unit of the model description.
 pub struct Unit {
-    /// Name, as variables refer to it.
+    /// Name used by variables.
     pub name: &'static str,
-    /// Exponents of SI base units; `None` where they are no integers.
+    /// Exponents of SI base units; `None` if not integers.
     pub base: Option<&'static [(&'static str, i32)]>,
-    /// Units to show values in: display = factor · value + offset.
+    /// Display units: display = factor · value + offset.
     pub displays: &'static [Display],
 }
 
-/// A unit to show values in.
+/// A display unit.
 pub struct Display {
-    /// Name, as people write the unit.
+    /// Name of the unit.
     pub name: &'static str,
-    /// Factor of the value in the unit it belongs to.
+    /// Factor on the value in the base unit.
     pub factor: f64,
-    /// Added after the factor.
+    /// Offset added after the factor.
     pub offset: f64,
 }
 
@@ -26,10 +26,11 @@ const fn display(name: &'static str, factor: f64) -> Display {
     Display { name, factor, offset: 0.0 }
 }
 
-/// Density of air at ISO 8778's reference conditions (20 °C, 1 bar, 65 % humidity), kg/m³, behind l/min(ANR), as for air.
+/// Density of air at ISO 8778's reference conditions (20 °C, 1 bar, 65 % humidity), kg/m³, which defines l/min(ANR), here for
+/// air.
 const REFERENCE_DENSITY: f64 = 1.185;
 
-/// Every unit that a variable may have.
+/// All units of the variables.
 pub const UNITS: &[Unit] = &[
     Unit { name: "1", base: Some(&[]), displays: &[display("%", 100.0)] },
     Unit { name: "s", base: Some(&[("s", 1)]), displays: &[display("ms", 1e3)] },
@@ -87,15 +88,15 @@ pub const UNITS: &[Unit] = &[
 /// A physical quantity: a type definition of the model description.
 #[derive(Debug, PartialEq)]
 pub struct Quantity {
-    /// Name of the type, and of the quantity in the sense of ISO 31.
+    /// Name of the type, and of the quantity as in ISO 31.
     pub name: &'static str,
-    /// Unit of the values that cross the interface; empty where each model has another.
+    /// Unit of the interface values; empty if it differs between models.
     pub unit: &'static str,
-    /// Unit to show values in by default, if another.
+    /// Default display unit, if different.
     pub display: Option<&'static str>,
-    /// Order of magnitude, unless a variable says otherwise.
+    /// Order of magnitude, unless a variable has its own.
     pub nominal: f64,
-    /// Smallest value that makes sense.
+    /// Smallest valid value.
     pub min: Option<f64>,
 }
 
@@ -112,7 +113,7 @@ const fn quantity(
 macro_rules! quantities {
     ($($ident:ident = $($argument:expr),+;)*) => {
         $(#[doc = concat!("Quantity ", stringify!($ident), ".")] pub static $ident: Quantity = quantity($($argument),+);)*
-        /// Every quantity: the type definitions.
+        /// All quantities: the type definitions.
         pub static QUANTITIES: &[&Quantity] = &[$(&$ident),*];
     };
 }
@@ -154,13 +155,13 @@ quantities! {
 }
 
 impl Quantity {
-    /// The attribute that names the unit, if there is one.
+    /// The unit attribute, if there is a unit.
     pub fn unit_attribute(&self) -> Option<(&'static str, String)> {
         (!self.unit.is_empty()).then(|| ("unit", self.unit.into()))
     }
 }
 
-/// A unit as it stands behind a number: nothing of a number that has none.
+/// A unit as written after a number; empty for a dimensionless one.
 pub fn behind(unit: &str) -> String {
     if ["", "1"].contains(&unit) { String::new() } else { format!(" {unit}") }
 }
@@ -191,7 +192,7 @@ pub fn of_card(unit: card::Unit) -> &'static Quantity {
     }
 }
 
-/// The quantity of a state: the pressure that a sensor's lag keeps is a reading, which an offset can take below zero.
+/// The quantity of a state: the pressure state of a sensor's lag is a reading, which an offset can make negative.
 pub fn of_state(unit: card::Unit) -> &'static Quantity {
     match unit {
         card::Unit::Pascal => &PRESSURE_READING,
@@ -199,7 +200,7 @@ pub fn of_state(unit: card::Unit) -> &'static Quantity {
     }
 }
 
-/// The quantity of the time derivative of a state of that quantity.
+/// The quantity of the time derivative of a state with this quantity.
 pub fn rate_of(quantity: &Quantity) -> &'static Quantity {
     match quantity.unit {
         "kg" => &MASS_FLOW,

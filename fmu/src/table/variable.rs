@@ -1,9 +1,9 @@
-//! One variable of the table: what it stands for, its type, its bounds.
+//! One variable of the table: its role, type and bounds.
 
 use super::units::Quantity;
 use crate::plant::values::Choice;
 
-/// What a variable stands for; indices are places among its like.
+/// Role of a variable; indices count within each role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A continuous input.
@@ -12,9 +12,9 @@ pub enum Role {
     Output(usize),
     /// A real parameter.
     Parameter(usize),
-    /// A parameter that is no number.
+    /// A non-numerical parameter.
     Choice(Choice),
-    /// A continuous state that is no output.
+    /// A continuous state that is not an output.
     State(usize),
     /// Rate of a continuous state.
     Rate(usize),
@@ -36,7 +36,7 @@ pub enum Variability {
 pub struct Enumeration {
     /// Name of the type.
     pub name: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub description: &'static str,
     /// Names and descriptions of its items, numbered from one.
     pub items: &'static [(&'static str, &'static str)],
@@ -47,7 +47,7 @@ pub struct Enumeration {
 pub enum Type {
     /// A real number with its unit.
     Real,
-    /// One of several, by number.
+    /// One of several items, by number.
     Enumeration(&'static Enumeration),
     /// True or false.
     Boolean,
@@ -56,15 +56,15 @@ pub enum Type {
 /// One variable of the FMU.
 #[derive(Clone, Debug)]
 pub struct Variable {
-    /// Structured name, as hosts know it: `leakage.conductance`, `der(mass)`.
+    /// Structured name for hosts: `leakage.conductance`, `der(mass)`.
     pub name: String,
-    /// One line for people.
+    /// One-line description for people.
     pub description: String,
-    /// What it stands for in the plant.
+    /// Its role in the plant.
     pub role: Role,
     /// Real, an enumeration or Boolean.
     pub is: Type,
-    /// Its unit and kind, where it is a number.
+    /// Its quantity and unit, if numerical.
     pub quantity: &'static Quantity,
     /// When it may change.
     pub variability: Variability,

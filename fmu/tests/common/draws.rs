@@ -1,15 +1,15 @@
-//! What hostile hosts draw their arguments from, in either version of FMI.
+//! Random arguments of hostile hosts, for both FMI versions.
 
 use fmu::plant::states::ALL;
 use fmu::table::table;
 use proptest::prelude::*;
 
-/// How many sequences of calls a test draws: `PNEUTHERM_FUZZ_CASES`, or this many where the environment does not say.
+/// Number of call sequences per test: `PNEUTHERM_FUZZ_CASES`, or this default.
 pub fn cases(unless_told: u32) -> u32 {
     std::env::var("PNEUTHERM_FUZZ_CASES").map_or(unless_told, |cases| cases.parse().expect("a number of cases"))
 }
 
-/// Numbers, some of which no call can use.
+/// Numbers, some of them unusable in any call.
 pub fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -1.0..1.0f64,
@@ -20,7 +20,7 @@ pub fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Value references, mostly of inputs; `beyond` are those that a version has behind the table.
+/// Value references, mostly of inputs; `beyond` is the number of references that a version has after the table.
 pub fn reference(beyond: u32) -> impl Strategy<Value = u32> {
     let count = table().len() as u32 + beyond;
     prop_oneof![6 => 0..7u32, 10 => 0..count, 1 => count..count + 3, 1 => Just(u32::MAX)]
@@ -36,22 +36,22 @@ pub fn length(right: usize) -> impl Strategy<Value = usize> {
     prop_oneof![9 => Just(right), 1 => 0..2 * right]
 }
 
-/// Whether an argument is NULL that must not be.
+/// Whether an argument that must not be NULL is NULL.
 pub fn null() -> impl Strategy<Value = bool> {
     prop::bool::weighted(0.05)
 }
 
-/// Whether an orderly beginning precedes the calls.
+/// Whether the calls follow an orderly initialization.
 pub fn orderly() -> impl Strategy<Value = bool> {
     prop::bool::weighted(0.7)
 }
 
-/// Changes of one state: which one, and by what factor.
+/// Change of one state: its index and a factor.
 pub fn change_of_state() -> impl Strategy<Value = (usize, f64)> {
     (0..ALL, prop_oneof![4 => 0.5..1.5f64, 1 => number()])
 }
 
-/// Parameters of what a chamber can have beside its gas: each is on in one case of ten.
+/// Optional parameters of a chamber: each is on in one case of ten.
 pub fn equipment() -> impl Strategy<Value = Vec<(&'static str, f64)>> {
     let all = vec![
         ("strokeInput", 2.0),

@@ -1,4 +1,4 @@
-//! A chamber with memory of every kind.
+//! A chamber with all kinds of memory.
 
 /// Parameters that switch on own states, a delayed record and a leak.
 pub const MEMORY: [(&str, f64); 7] = [

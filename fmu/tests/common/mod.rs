@@ -1,4 +1,4 @@
-//! A host in Rust that drives the FMU through its C functions, in this process.
+//! A host in Rust that drives the FMU through its C functions, in the same process.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
-/// A message that the FMU logged.
+/// A message logged by the FMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     pub status: CEnum,
@@ -22,8 +22,8 @@ pub struct Message {
 
 type Log = RefCell<Vec<Message>>;
 
-/// Receives what the FMU logs as `"%s", text`. Declared without the C function's variable arguments, which Rust cannot
-/// define; on the platforms of the tests the text arrives in the same register.
+/// Receives log messages of the form `"%s", text`. Declared without C's variable arguments, which Rust cannot define; on the
+/// platforms of the tests the text arrives in the same register.
 unsafe extern "C" fn receive(
     environment: *mut c_void,
     _name: *const c_char,
@@ -38,7 +38,7 @@ unsafe extern "C" fn receive(
     log.borrow_mut().push(Message { status, category: owned(category), text: owned(text) });
 }
 
-/// As [`receive`], in the form that Miri asks for.
+/// As [`receive`], in the form required by Miri.
 #[cfg(miri)]
 unsafe extern "C" fn receive_any(
     environment: *mut c_void,
@@ -80,12 +80,12 @@ pub fn reference(name: &str) -> u32 {
 }
 
 impl Host {
-    /// A fresh instance for co-simulation.
+    /// A new instance for co-simulation.
     pub fn new() -> Self {
         Self::of(1)
     }
 
-    /// A fresh instance for Model Exchange.
+    /// A new instance for Model Exchange.
     pub fn exchange() -> Self {
         Self::of(0)
     }
@@ -193,7 +193,7 @@ impl Host {
         }
     }
 
-    /// Restores serialized bytes; the status of the attempt.
+    /// Restores serialized bytes; returns the status.
     pub fn deserialize(&self, bytes: &[u8]) -> CEnum {
         let mut state = null_mut();
         let status = unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) };
@@ -204,12 +204,12 @@ impl Host {
         status
     }
 
-    /// What was logged since the last call.
+    /// Messages logged since the last call.
     pub fn messages(&self) -> Vec<Message> {
         unsafe { &*self.log }.take()
     }
 
-    /// The one message since the last call.
+    /// The only message since the last call.
     pub fn message(&self) -> String {
         let messages = self.messages();
         assert_eq!(messages.len(), 1, "{messages:?}");

@@ -1,10 +1,10 @@
-//! The forms of λ that are tried on the six measured points. Adding one is a line of [`FORMS`].
+//! The forms of λ fitted to the six measured points. Adding one takes a line of [`FORMS`].
 //!
 //! λ = c · Π quantity^exponent, c in W/(m² K) at the quantities' reference values; a form's exponents are fixed or fitted.
 
 use super::point::Point;
 
-/// A quantity a form may be a power of.
+/// A quantity whose powers a form may contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// P over 5.65 bar.
@@ -29,7 +29,7 @@ pub enum Quantity {
 
 use Quantity::{Area, Bore, Column, Excess, Pressure, Slenderness, Temperature, Volume, VolumeToArea};
 
-/// Length at which λ is the fitted coefficient, m: the default of the effect `gas_column_length`.
+/// Reference length of the fitted coefficient, m: the default of the effect `gas_column_length`.
 pub const REFERENCE_LENGTH_M: f64 = 0.1;
 
 impl Quantity {
@@ -60,9 +60,9 @@ pub struct Form {
     pub equation: &'static str,
     pub(super) fixed: Powers,
     pub(super) free: &'static [(&'static str, Powers)],
-    /// Own coefficient for each actuator instead of a common one.
+    /// Whether each actuator has its own coefficient instead of a common one.
     pub(super) per_actuator: bool,
-    /// Side wall and end faces with coefficients of their own: their ratio is fitted.
+    /// Whether side wall and end faces have different coefficients, whose ratio is fitted.
     pub(super) faces: bool,
 }
 
@@ -80,10 +80,10 @@ const fn form(
 
 /// Name of the baseline.
 pub const ONE_LAMBDA0: &str = "one lambda0";
-/// Name of the form that the sweep behind table 5's trend uses.
+/// Name of the form used by the sweep of table 5's trend.
 pub const COLUMN_HALF: &str = "column length^-1/2";
 
-/// Every form that is tried.
+/// All forms tried.
 pub const FORMS: &[Form] = &[
     form(ONE_LAMBDA0, "c sqrt(PT)", SQRT_PT, &[]),
     form("free pressure exponent", "c (PT)^n", &[], &[("n", PT)]),

@@ -1,10 +1,10 @@
-//! What the paper's six measured points say about λ and the shape of the chamber.
+//! Dependence of λ on the chamber's shape, from the paper's six measured points.
 //!
-//! The loop closed on published numbers: one λ0 with λ ∝ √(P T) predicts τ = m cv/(λ Aq) of each test and misses it; other
-//! forms of λ are fitted to the same points (least squares of ln τ) and judged by their error on the tests of an actuator
-//! that took no part in the fit. Error of a test: predicted τ over measured τ, minus 1; of a form: its root mean square.
+//! One λ0 with λ ∝ √(P T) predicts τ = m cv/(λ Aq) of each test and misses it; other forms of λ are fitted to the same points
+//! (least squares of ln τ) and compared by their error on the tests of an actuator left out of the fit. Error of a test:
+//! predicted τ over measured τ, minus 1; of a form: its root mean square.
 //!
-//! **A hypothesis, not a law**: three actuators, two pressures each, one laboratory. Every form that was tried is reported.
+//! **A hypothesis, not a law**: three actuators, two pressures each, one laboratory. Every form tried is reported.
 
 mod forms;
 mod point;
@@ -26,7 +26,7 @@ pub struct Value {
     pub value: f64,
 }
 
-/// A form, fitted.
+/// A fitted form.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// Name of the form in tables and figures.
@@ -37,7 +37,7 @@ pub struct Outcome {
     pub parameters: usize,
     /// Root mean square of predicted over measured τ, minus 1.
     pub rms_fitted: f64,
-    /// The same for each actuator's tests, predicted from the other two actuators; `null` where those do not determine it.
+    /// The same for each actuator's tests, predicted from the other two actuators; `null` if those do not determine the form.
     pub rms_left_out: Option<f64>,
     /// The fitted values with their units.
     pub values: Vec<Value>,
@@ -47,16 +47,17 @@ pub struct Outcome {
     pub time_constants_left_out_s: Option<Vec<f64>>,
 }
 
-/// The loop on the six points.
+/// The results for the six points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GeometryEffect {
-    /// The paper's measured points, in its order.
+    /// The paper's measured points, in order.
     pub points: Vec<Point>,
-    /// Every form tried, in [`FORMS`]' order.
+    /// All forms tried, in the order of [`FORMS`].
     pub outcomes: Vec<Outcome>,
-    /// Error on a left-out actuator when the form, too, is chosen without it (by the other two actuators' own left-out error).
+    /// Error on a left-out actuator if the form, too, is chosen without it (by the left-out error within the other two
+    /// actuators).
     pub rms_chosen_blind: f64,
-    /// The form so chosen, for each actuator left out.
+    /// The form chosen in this way, for each actuator left out.
     pub chosen_blind: Vec<(String, String)>,
     /// d ln λ/d ln (P T) between the two pressures of each actuator.
     pub pressure_exponents: Vec<(String, f64)>,
@@ -92,7 +93,7 @@ pub fn examine(measured: &Measured) -> GeometryEffect {
 }
 
 impl GeometryEffect {
-    /// The outcome of the form of that name.
+    /// The outcome of the form with that name.
     pub fn outcome(&self, name: &str) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.name == name)
     }
@@ -117,7 +118,7 @@ fn pressure_exponent(points: &[Point], actuator: &str) -> f64 {
     log(|p| p.coefficient_av_w_per_m2_k) / log(|p| p.pressure_pa * p.temperature_k)
 }
 
-/// A fitted form: ln λ of any point.
+/// A fitted form, which gives ln λ at any point.
 struct Fitted {
     form: Form,
     coefficients: Vec<(Option<String>, f64)>,
@@ -133,7 +134,7 @@ impl Fitted {
         Some(c + ln_base(&self.form, p, self.faces_ratio) + free.sum::<f64>())
     }
 
-    /// τ predicted, s: the measured one times measured λ over predicted λ.
+    /// Predicted τ, s: the measured one times measured over predicted λ.
     fn time_constant(&self, p: &Point) -> Option<f64> {
         Some(p.time_constant_s * p.coefficient_av_w_per_m2_k * (-self.ln_coefficient(p)?).exp())
     }
@@ -143,19 +144,20 @@ fn ln_powers(powers: Powers, p: &Point) -> f64 {
     powers.iter().map(|(q, e)| e * q.of(p).ln()).sum()
 }
 
-/// Logarithm of a form's factors that are not linear in its parameters' logarithms.
+/// Logarithm of a form's factors that are not linear in the fitted parameters.
 fn ln_base(form: &Form, p: &Point, faces_ratio: f64) -> f64 {
     let faces = core::f64::consts::PI * p.bore_m * p.bore_m / 2.0;
     let share = if form.faces { 1.0 + (faces_ratio - 1.0) * faces / p.area_m2 } else { 1.0 };
     ln_powers(form.fixed, p) + share.ln()
 }
 
-/// Least squares of ln λ, which is that of ln τ; `None` where the points do not determine the form.
+/// Least squares of ln λ, equivalent to that of ln τ; `None` if the points do not determine the form.
 fn fit(form: &Form, points: &[&Point]) -> Option<Fitted> {
     if !form.faces {
         return fit_linear(form, points, 1.0).map(|(fitted, _)| fitted);
     }
-    // The ratio of the coefficients of end faces and side wall, over six powers of ten, then between neighbours.
+    // The ratio of the coefficients of end faces and side wall: a grid over six powers of ten, then a refinement between
+    // neighbours.
     if points.len() < 3 {
         return None;
     }
@@ -188,7 +190,7 @@ fn fit_linear(form: &Form, points: &[&Point], faces_ratio: f64) -> Option<(Fitte
         points.iter().map(|p| p.coefficient_av_w_per_m2_k.ln() - ln_base(form, p, faces_ratio)),
     );
     let svd = design.clone().svd(true, true);
-    // Below this share of the largest singular value a direction is set by rounding of the tables, not by the tests.
+    // Below this fraction of the largest singular value, a direction is determined by rounding of the tables, not by the tests.
     if svd.singular_values.min() < 1e-3 * svd.singular_values.max() {
         return None;
     }
@@ -199,7 +201,7 @@ fn fit_linear(form: &Form, points: &[&Point], faces_ratio: f64) -> Option<(Fitte
     Some((Fitted { form: *form, coefficients, exponents, faces_ratio }, left))
 }
 
-/// τ of each point, its actuator predicted from the others, s.
+/// τ of each point, s, with its actuator predicted from the others.
 fn left_out(form: &Form, points: &[Point]) -> Option<Vec<f64>> {
     points
         .iter()
@@ -244,7 +246,7 @@ fn outcome(form: &Form, points: &[Point]) -> Outcome {
     }
 }
 
-/// The honest error of choosing among many forms: each actuator is predicted by the form that the other two choose.
+/// Unbiased error of choosing among many forms: each actuator is predicted by the form chosen from the other two.
 fn choose_blind(points: &[Point]) -> (f64, Vec<(String, String)>) {
     let mut predicted = vec![f64::NAN; points.len()];
     let mut chosen = Vec::new();
@@ -286,8 +288,8 @@ mod tests {
 
     #[test]
     fn one_coefficient_misses_by_a_quarter_and_the_column_length_explains_most_of_it() {
-        // Beside an independent evaluation with numpy's lstsq at Tamb = 298.8 K; design finding 4, from table 5's rounded
-        // volumes, has 26, 38, 17.7, 63, 5.1, 6.6, 1.3 and 2.3 %.
+        // Reference values: an independent evaluation with numpy's lstsq at Tamb = 298.8 K; design finding 4, from table 5's
+        // rounded volumes, has 26, 38, 17.7, 63, 5.1, 6.6, 1.3 and 2.3 %.
         let e = effect();
         assert_near(&e, ONE_LAMBDA0, 0.2586, 0.3843);
         assert_near(&e, "volume/area", 0.1716, 0.6237);

@@ -1,8 +1,8 @@
-//! One of the measured tests, with the quantities that λ may be a power of.
+//! One of the measured tests, with the quantities whose powers λ may contain.
 
 use serde::Serialize;
 
-/// One measured test as the forms see it. SI units.
+/// One measured test. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Experiment of the paper.

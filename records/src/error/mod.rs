@@ -1,4 +1,4 @@
-//! What can be wrong with a file, in sentences: where, what, what to do.
+//! Errors in files, as sentences: where, what, what to do.
 
 pub mod trace;
 
@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use trace::TraceProblem;
 
-/// Why a file was refused or could not be written: its path as it was given, lines and columns counted from 1.
+/// Why a file was refused or could not be written: its path as given, lines and columns counted from 1.
 #[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -15,17 +15,17 @@ pub enum Error {
     /// The file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    /// A trace that was given in the place of another file.
+    /// A trace was given in place of another file.
     #[error("{}: this looks like a trace; {expected}", path.display())]
     IsTrace {
         path: PathBuf,
-        /// What is expected in its place, in words.
+        /// What is expected instead, in words.
         expected: &'static str,
     },
-    /// A folder that was given in the place of a rig file has none.
+    /// A folder given in place of a rig file contains none.
     #[error("{}: this folder has no rig.toml; `pneutherm look TRACE -o rig.toml` writes one", folder.display())]
     NoRig { folder: PathBuf },
-    /// The file cannot be written; what stood there before still stands.
+    /// The file cannot be written; an existing file is unchanged.
     #[error("{}: cannot be written: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
     /// The file is not TOML.
@@ -41,7 +41,7 @@ pub enum Error {
     #[error("{}: {}{key}: {problem}", path.display(), place(*line))]
     Key {
         path: PathBuf,
-        /// The key's line, or that of the table where it is missing; counted from 1, 0 where the content comes from no file.
+        /// The key's line, or that of the table it is missing from; counted from 1, 0 for content without a file.
         line: usize,
         key: String,
         problem: Box<KeyProblem>,
@@ -55,7 +55,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Something wrong with the trace at `path`.
+    /// An error in the trace at `path`.
     pub(crate) fn trace(path: &Path, problem: TraceProblem) -> Self {
         Error::Trace { path: path.to_owned(), problem: Box::new(problem) }
     }

@@ -1,6 +1,6 @@
-//! Which column of a trace holds what, and in which unit: by what people call them, and by units lines.
+//! Quantity and unit of each column of a trace: from customary names and units lines.
 //!
-//! What the names leave open is taken from the values and said to be a guess.
+//! What the names leave open is inferred from the values and marked as a guess.
 
 use super::described::{Described, Guessed, Reference};
 use crate::error::Error;
@@ -11,34 +11,34 @@ use crate::statistics::{correlation, extremes};
 use crate::trace::{Dialect, Sample, Trace};
 use crate::units::Quantity;
 
-/// Positions that count from anywhere are first read with so much added, m.
+/// Offset, m, with which positions of unknown zero are first read.
 const FAR_M: f64 = 1e3;
 
-/// Pressures of a chamber that is open differ from the surroundings' by less than this, Pa.
+/// Pressures of an open chamber differ from the surroundings' by less than this, Pa.
 const NEAR_PA: f64 = 2e4;
 
-/// Columns that the user has named.
+/// Column names given by the user.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// Name of the time column, where the user gives it.
+    /// Name of the time column, if given.
     pub time: Option<String>,
-    /// Name of the pressure column, where the user gives it.
+    /// Name of the pressure column, if given.
     pub pressure: Option<String>,
-    /// Name of the position column, where the user gives it.
+    /// Name of the position column, if given.
     pub position: Option<String>,
 }
 
-/// Which column holds what.
+/// Assignment of columns to quantities.
 #[derive(Clone, Debug)]
 pub struct Guess {
     /// The quantities found, in the order of [`Quantity::ALL`].
     pub columns: Vec<Guessed>,
-    /// Names of columns that could be a quantity's as well.
+    /// Other columns that could hold a quantity, by name.
     pub others: Vec<(Quantity, String)>,
 }
 
 impl Guess {
-    /// From the names of the columns, the units line and the first rows.
+    /// Infers the assignment from the column names, the units line and the first rows.
     pub fn from_names(dialect: &Dialect, sample: &Sample, stated: &Names) -> Self {
         let described: Vec<Described> = (0..dialect.names.len()).map(|k| Described::of(dialect, sample, k)).collect();
         let (mut columns, mut others) = (Vec::<Guessed>::new(), Vec::new());
@@ -53,7 +53,7 @@ impl Guess {
             let places: Vec<usize> = (0..described.len()).filter(free).collect();
             let score = |place: usize| described[place].score(quantity);
             let likely: Vec<usize> = places.iter().copied().filter(|place| score(*place) >= 2).collect();
-            // The first of the most likely.
+            // The first among equally likely ones.
             let best = likely.iter().copied().rev().max_by_key(|place| score(*place));
             let place = match named {
                 Some(name) => dialect.place(name).0,
@@ -64,12 +64,12 @@ impl Guess {
             others.extend(rest.map(|other| (quantity, dialect.names[*other].clone())));
             columns.push(described[place].guessed(quantity, dialect, sample));
         }
-        // A column that found its own quantity is nobody's second choice.
+        // A column assigned to its own quantity is no alternative for another.
         others.retain(|(_, name)| columns.iter().all(|column| column.name != *name));
         Self { columns, others }
     }
 
-    /// That quantity's column.
+    /// The column of a quantity.
     pub fn of(&self, quantity: Quantity) -> Option<&Guessed> {
         self.columns.iter().find(|column| column.quantity == quantity)
     }
@@ -78,13 +78,13 @@ impl Guess {
         self.columns.iter_mut().find(|column| column.quantity == quantity)
     }
 
-    /// Which of time, pressure and position are not there.
+    /// Those of time, pressure and position that were not found.
     pub fn missing(&self) -> Vec<Quantity> {
         let needed = [Quantity::Time, Quantity::Pressure, Quantity::Position];
         needed.into_iter().filter(|quantity| self.of(*quantity).is_none()).collect()
     }
 
-    /// The layout of a rig file that says so.
+    /// The layout for a rig file with this assignment.
     pub fn layout(&self) -> Layout {
         let mut layout = Layout::default();
         for column in &self.columns {
@@ -101,7 +101,8 @@ impl Guess {
         layout
     }
 
-    /// Takes in why a file was refused: a gauge column, positions that count from elsewhere. Whether that may help.
+    /// Adapts the assignment to the reason why a file was refused: a gauge column, or positions with another zero. Returns
+    /// whether reading again may help.
     pub fn learns_from(&mut self, error: &Error) -> bool {
         let Error::Trace { problem, .. } = error else { return false };
         let TraceProblem::BadRows { problem, .. } = &**problem else { return false };
@@ -118,7 +119,7 @@ impl Guess {
         }
     }
 
-    /// Takes the pressure to count from the surroundings', unless names say otherwise; whether it was not taken so before.
+    /// Treats the pressure as gauge, unless names say otherwise; returns whether that is a change.
     fn takes_for_gauge(&mut self) -> bool {
         match self.of_mut(Quantity::Pressure) {
             Some(pressure) if !pressure.gauge && pressure.reference != Reference::Stated => {
@@ -133,13 +134,13 @@ impl Guess {
         }
     }
 
-    /// Takes in a record: readings around zero, a piston that compresses as its position grows, positions that count
-    /// from anywhere. Whether it has to be read again.
+    /// Adapts the assignment to a record: readings around zero, a piston that compresses as its position grows, positions with an
+    /// arbitrary zero. Returns whether the record must be read again.
     pub fn learns_from_record(&mut self, trace: &Trace) -> bool {
         let is_gauge = |row: &RowProblem| matches!(*row, RowProblem::NotAbsolute { value, .. } if can_be_gauge(value));
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
         let below = trace.left_out.iter().filter(|row| is_gauge(&row.reason)).count();
-        // At the surroundings' pressure a gauge reads as often just above zero; a sensor that drops out does not.
+        // At ambient pressure a gauge sensor reads just above zero as often as below; a sensor that drops out does not.
         let just_above = pressure.iter().filter(|pressure| **pressure < NEAR_PA).count();
         let gauge = below > 0 && just_above >= below && self.takes_for_gauge();
         let wrong_way = correlation(&trace.position_m, pressure) > 0.5;
@@ -148,17 +149,17 @@ impl Guess {
         if !wrong_way && position.offset_m < FAR_M {
             return gauge;
         }
-        // What the sensor shows, in metres and the way it counts.
+        // Sensor positions, in metres and with the sensor's own sign.
         let shown = [lowest, highest].map(|x| position.sign * (x - position.offset_m));
         let (low, high) = (shown[0].min(shown[1]), shown[0].max(shown[1]));
         position.sign = if wrong_way { -position.sign } else { position.sign };
-        // Mirrored within where it moves; from zero on where that would be below.
+        // Mirrored within its range of motion; shifted to start at zero where it would be negative.
         position.offset_m = if position.sign < 0.0 { high + low.max(0.0) } else { -low.min(0.0) };
         true
     }
 }
 
-/// Whether a reading that cannot be absolute, Pa, can be a gauge's: a logger's code for a fault (-9999) is neither.
+/// Whether a reading that cannot be absolute, Pa, can be gauge: a logger's fault code (-9999) is neither.
 fn can_be_gauge(pressure_pa: f64) -> bool {
     pressure_pa + STANDARD_ATMOSPHERE_PA > 0.0
 }

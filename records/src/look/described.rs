@@ -1,33 +1,33 @@
-//! One column of a trace: how likely it holds a quantity, by its name, its unit and its first values.
+//! One column of a trace: how likely it holds a quantity, judging by its name, its unit and its first values.
 
 use crate::statistics::interval;
 use crate::trace::{Dialect, Sample, excel};
 use crate::units::{CLOCK, Quantity, Unit, VOLT, name_and_unit, says_absolute, says_gauge};
 
-/// One quantity's column.
+/// The column assigned to a quantity.
 #[derive(Clone, Debug)]
 pub struct Guessed {
     /// What it holds.
     pub quantity: Quantity,
-    /// Its place, from 0.
+    /// Its index, from 0.
     pub place: usize,
-    /// Its name, or its number where the name is not its own.
+    /// Its name, or its number where the name is not unique.
     pub name: String,
-    /// Unit that its name or the line of units states.
+    /// Unit stated in its name or in the units line, or taken from its values.
     pub unit: &'static Unit,
-    /// Whether the unit was taken from the values.
+    /// Whether the unit was inferred from the values.
     pub unit_guessed: bool,
-    /// What stands in the place of a unit and is none that is read.
+    /// Text in place of a unit that is not recognised.
     pub unknown_unit: Option<String>,
-    /// Whether it is in percent of a range that the file does not tell.
+    /// Whether it is in percent of a range that the file does not state.
     pub in_percent: bool,
-    /// Whether pressures count from the surroundings'.
+    /// Whether pressures are relative to the surroundings'.
     pub gauge: bool,
-    /// Why the pressure is taken to count from there.
+    /// Why the pressure is treated as absolute or gauge.
     pub reference: Reference,
-    /// 1 or -1: which way positions count.
+    /// 1 or -1: direction of positions.
     pub sign: f64,
-    /// What is added to positions, m.
+    /// Offset added to positions, m.
     pub offset_m: f64,
 }
 
@@ -36,18 +36,18 @@ pub struct Guessed {
 pub enum Reference {
     /// The name, the unit or the units line says so.
     Stated,
-    /// The program's own name for a pressure is that of an absolute one.
+    /// The name is the program's own name for an absolute pressure.
     OwnName,
-    /// Nothing says so.
+    /// Nothing states it.
     Open,
-    /// Readings lie at or below zero.
+    /// Many readings are at or below zero.
     Readings,
-    /// Readings lie at or below zero under the program's own name.
+    /// Many readings are at or below zero although the name is the program's own.
     ReadingsAgainstName,
 }
 
 impl Reference {
-    /// What a user is to check.
+    /// Remark that tells the user what to check.
     pub fn remark(self) -> Option<&'static str> {
         match self {
             Reference::Stated | Reference::OwnName => None,
@@ -60,7 +60,7 @@ impl Reference {
     }
 }
 
-/// What a column is called and what its first values are.
+/// A column's name and first values.
 pub struct Described {
     place: usize,
     name: String,
@@ -72,7 +72,7 @@ pub struct Described {
 }
 
 impl Described {
-    /// Of the column at that place.
+    /// Describes the column at an index.
     pub fn of(dialect: &Dialect, sample: &Sample, place: usize) -> Self {
         let name = dialect.names[place].clone();
         let line = dialect.units.as_ref().and_then(|(_, units)| units.get(place)).filter(|unit| !unit.is_empty());
@@ -88,7 +88,7 @@ impl Described {
         }
     }
 
-    /// How likely it holds that quantity.
+    /// Score of how likely it holds a quantity.
     pub fn score(&self, quantity: Quantity) -> i32 {
         if self.moments || !self.numbers {
             return if quantity == Quantity::Time && self.moments { 8 } else { -9 };
@@ -98,29 +98,29 @@ impl Described {
         }
         let of_unit = self.score_of_unit(quantity);
         let of_name = self.score_of_name(quantity, of_unit > 0);
-        // What changes with time is not the piston's position: a speed, a set value.
+        // A speed or a set value is not the piston's position.
         let other = self
             .begins(&["speed", "veloc", "geschw", "accel", "target", "setp", "soll", "command", "force", "kraft"])
             || self.has(&["set", "cmd", "ref", "demand"]);
-        // A pressure of the supply is the chamber's only where there is no other.
+        // A supply pressure is used only where there is no other.
         let supply =
             quantity == Quantity::Pressure && self.begins(&["suppl", "versorg", "speise", "tank", "reservoir"]);
         of_unit + of_name - if other { 4 } else { 0 } - if supply { 2 } else { 0 }
     }
 
-    /// What its unit says of that quantity.
+    /// Score of its unit for a quantity.
     fn score_of_unit(&self, quantity: Quantity) -> i32 {
         let unit = self.unit.as_deref();
         match unit.map(|unit| quantity.unit_spelled(unit)) {
             Some(Some(unit)) if unit.name == VOLT => 0,
             Some(Some(_)) => 3,
-            // Of a unit that another quantity has.
+            // A unit of another quantity.
             Some(None) if Quantity::ALL.iter().any(|q| unit.is_some_and(|u| q.unit_spelled(u).is_some())) => -6,
             _ => 0,
         }
     }
 
-    /// What its words say of that quantity; `is_of_unit` tells whether its unit is one of the quantity's.
+    /// Score of its words for a quantity; `is_of_unit`: whether its unit is one of the quantity's.
     fn score_of_name(&self, quantity: Quantity, is_of_unit: bool) -> i32 {
         let temperature = self.begins(&["temp"]) || self.has(&["t", "tamb", "tu", "tgas", "tg"]);
         let ambient = self.begins(&["amb", "room", "umgeb", "raum", "surround"]) || self.has(&["tamb", "tu", "env"]);
@@ -141,7 +141,7 @@ impl Described {
             Quantity::AmbientTemperature if ambient && (temperature || is_of_unit) => 4,
             Quantity::GasTemperature if gas && (temperature || is_of_unit) && !ambient => 4,
             Quantity::MassFlow if self.begins(&["mass", "mdot", "flow"]) && is_of_unit => 4,
-            // A temperature says nothing of what it is that of.
+            // The word temperature alone does not say of what.
             Quantity::AmbientTemperature | Quantity::GasTemperature | Quantity::MassFlow => -9,
             _ => 0,
         }
@@ -152,12 +152,12 @@ impl Described {
         self.words.iter().any(|word| known.contains(&word.as_str()))
     }
 
-    /// Whether one of its words begins as one of these.
+    /// Whether one of its words begins with one of these.
     fn begins(&self, known: &[&str]) -> bool {
         self.words.iter().any(|word| known.iter().any(|begin| word.starts_with(begin)))
     }
 
-    /// What stands where a unit would: in the units line, or in the last brackets of the name.
+    /// Text in place of a unit: in the units line, or in the last brackets of the name.
     fn unknown_unit(&self) -> Option<String> {
         const NO_UNITS: [&str; 7] = ["a", "g", "abs", "absolute", "gauge", "rel", "%"];
         let in_brackets = || {
@@ -169,7 +169,7 @@ impl Described {
         is_unit.then(|| said.to_owned())
     }
 
-    /// The column as that quantity's.
+    /// The column as one of this quantity.
     pub fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
         let stated = self.unit.as_deref().and_then(|unit| quantity.unit_spelled(unit));
         let by_value = || unit_of_values(quantity, sample.numbers.get(self.place).map_or(&[], Vec::as_slice));
@@ -183,7 +183,7 @@ impl Described {
             self.unit.as_deref().is_some_and(unit) || self.words.iter().any(|word| words.contains(&word.as_str()))
         };
         let gauge = says(says_gauge, &gauge_word) || self.name.contains("(g)");
-        // A chamber's letter is a capital: `p (A)`.
+        // A capital is the letter of a chamber: `p (A)`.
         let absolute = says(says_absolute, &absolute_word) || self.name.contains("(a)");
         let reference = match gauge || absolute {
             true => Reference::Stated,
@@ -207,12 +207,12 @@ impl Described {
     }
 }
 
-/// `p`, `p1`, `pa`: a pressure's symbol with a place's.
+/// `p`, `p1`, `pa`: a pressure's symbol with an index.
 fn is_numbered_p(word: &str) -> bool {
     word.strip_prefix('p').is_some_and(|rest| rest.len() <= 1 && rest.chars().all(|c| c.is_ascii_alphanumeric()))
 }
 
-/// The unit that the values' size speaks for.
+/// The unit suggested by the size of the values.
 fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     let size = size(values);
     let name = match quantity {
@@ -229,7 +229,7 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
     units.iter().find(|unit| unit.name == name).unwrap_or(&units[0])
 }
 
-/// How large values are: what nineteen of twenty do not exceed, as a mark of no reading is no value.
+/// 95th percentile of the absolute values, which excludes marks of missing readings.
 fn size(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -240,7 +240,7 @@ fn are_excel_days(values: &[f64]) -> bool {
     matches!(values, [from, .., to] if excel::are_days(*from, *to, values.len()))
 }
 
-/// Words in lower case, parted where letters are no letters or become capital.
+/// Words in lower case, split at non-alphanumeric characters and before capitals.
 fn words(name: &str) -> Vec<String> {
     let (mut all, mut word, mut small_before) = (Vec::new(), String::new(), false);
     for letter in name.chars() {

@@ -1,11 +1,11 @@
-//! What a trace file holds, understood without a rig file: `pneutherm look`.
+//! Contents of a trace file, found without a rig file: `pneutherm look`.
 //!
 //! | module | finds |
 //! |---|---|
-//! | [`columns`], [`described`] | which column is time, pressure, position, in which unit, by names and units lines |
-//! | [`readings`] | rate, gaps, resolution, how often the sensor is really read out |
-//! | [`motion`] | rests and moves; windows of one push-and-hold test each |
-//! | [`proposal`] | a rig file that says all this |
+//! | [`columns`], [`described`] | which column is time, pressure, position, in which unit, from names and units lines |
+//! | [`readings`] | rate, gaps, resolution, actual readout rate of the sensor |
+//! | [`motion`] | rests and moves; windows with one push-and-hold test each |
+//! | [`proposal`] | a rig file with these findings |
 
 pub mod columns;
 pub mod described;
@@ -26,7 +26,7 @@ use std::path::Path;
 
 pub use crate::trace::Dialect;
 
-/// Refuses a column named by the user that is not there.
+/// Refuses a missing column that the user named.
 fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
         if dialect.place(name).0.is_none() {
@@ -45,7 +45,7 @@ fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     Ok(())
 }
 
-/// A refusal of what no rig file says yet.
+/// Rewords an error that refers to a rig file, as there is none yet.
 fn without_rig(error: Error) -> Error {
     match error {
         Error::Trace { path, problem } if problem.is_of_a_rig_file() => {
@@ -55,44 +55,44 @@ fn without_rig(error: Error) -> Error {
     }
 }
 
-/// Whether there are rows of numbers where these have decimal commas.
+/// Whether decimal commas make rows of numbers readable.
 fn has_decimal_commas(path: &Path, content: &Content) -> bool {
     let format = Format { decimal: Some(Decimal::Comma), ..Format::default() };
     let layout = Layout { format, ..Layout::default() };
     trace::sample(path, content, &layout).is_ok_and(|(_, _, sample)| !sample.is_empty())
 }
 
-/// What was found in a trace file.
+/// Contents found in a trace file.
 #[derive(Clone, Debug)]
 pub struct Look {
-    /// How its text is written.
+    /// Its text format.
     pub dialect: Dialect,
-    /// How characters are written.
+    /// Its character encoding.
     pub encoding: Encoding,
-    /// What has to be stated of that, as it would not be found.
+    /// The part of the format that must be stated because it would not be detected.
     pub format: Format,
-    /// Which column holds what.
+    /// Assignment of columns to quantities.
     pub guess: Guess,
-    /// The record, where time, pressure and position were found.
+    /// The record, if time, pressure and position were found.
     pub found: Option<Found>,
 }
 
-/// What a record shows.
+/// Contents of a record.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The record itself.
     pub trace: Trace,
-    /// How it was read.
+    /// Its sampling and resolution.
     pub readings: Readings,
     /// Rests and moves, in order.
     pub phases: Vec<Phase>,
 }
 
 impl Look {
-    /// Looks at a trace file. `names` are columns that the user has named.
+    /// Examines a trace file. `names` are columns named by the user.
     ///
     /// # Errors
-    /// A file that cannot be read or is no table, a column that is not there, more bad rows than one in fifty.
+    /// An unreadable file or one without a table, a missing column, more bad rows than one in fifty.
     pub fn at(path: &Path, names: &Names) -> Result<Self, Error> {
         let content = Content::lasting(path)?;
         let (mut dialect, mut encoding, mut sample) = trace::sample(path, &content, &Layout::default())?;
@@ -118,7 +118,7 @@ impl Look {
             let reading = Reading { layout: &layout, stroke_m: None, window: Window::ALL, need: Need::Measurement };
             Trace::read_content(path, &content, &reading)
         };
-        // Gauge pressures fall below what absolute ones can be, positions may count from anywhere, either way.
+        // Gauge pressures can be too low for absolute ones; positions may have any zero and direction.
         let trace = loop {
             match read(&guess) {
                 Ok(trace) => break trace,

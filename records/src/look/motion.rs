@@ -7,25 +7,25 @@ use crate::statistics::{extremes, interval};
 use crate::trace::movement_threshold;
 use std::ops::Range;
 
-/// A piston that stays for so long has come to rest, s ...
+/// Time without motion after which a piston counts as at rest, s ...
 const REST_S: f64 = 0.15;
-/// ... or for so many rows, if that is longer.
+/// ... or number of rows, if that is longer.
 const REST_ROWS: usize = 8;
-/// How much of the rest before a push belongs to its window, s at the most.
+/// Longest part of the rest before a push that belongs to its window, s.
 const LEAD_S: f64 = 1.0;
-/// A closed chamber answers a move by at least this share of what constant temperature and no dead volume would give.
+/// Smallest response of a closed chamber to a move, as a fraction of the isothermal response without dead volume.
 const LEAST_ANSWER: f64 = 0.15;
-/// Up to this share of a move ...
+/// Up to this fraction of a move ...
 const EARLY: f64 = 0.1;
-/// ... a closed chamber's pressure has changed by no more than this share of all that it changes.
+/// ... the pressure of a closed chamber makes at most this fraction of its total change.
 const MOST_EARLY: f64 = 0.6;
-/// Whether a response lasts is judged so long after the move at the latest, s: gas at the walls' temperature by then, and only little
-/// lost through a leak.
+/// Latest time after the move, s, at which a response is checked for lasting: the gas is at the wall's temperature by then, and a
+/// leak has lost little.
 const LASTING_S: f64 = 3.0;
-/// The pressure of a chamber that was opened is steady again if it changes by less than so many times its noise before a move.
+/// A chamber that was opened has a steady pressure again if the change before a move is below this multiple of its noise.
 const STEADY: f64 = 10.0;
 
-/// A part of a record in which the piston rests, or moves.
+/// Part of a record in which the piston rests or moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phase {
     /// Rows of the trace that belong to it.
@@ -34,7 +34,7 @@ pub struct Phase {
     pub moving: bool,
 }
 
-/// Rests and moves in order; every row is in one of them. Creep is no move.
+/// Rests and moves in order, which together cover all rows. Creep counts as rest.
 pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
     let n = position_m.len();
     let threshold = movement_threshold(position_m);
@@ -55,7 +55,7 @@ pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
                 row += 1;
             }
         } else {
-            // Far from where it has been of late: it moves.
+            // Far from its recent mean position: it moves.
             let mut sum: f64 = position_m[row..(row + width).min(n)].iter().sum();
             let mut count = (row + width).min(n) - row;
             row = (row + width).min(n);
@@ -64,7 +64,7 @@ pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
                 row += 1;
                 count = width;
             }
-            // A piston that crosses the threshold in one row set out in the row before.
+            // A piston that crosses the threshold within one row started in the row before.
             if row < n {
                 row = (row - 1).max(first + 1);
             }
@@ -77,7 +77,7 @@ pub fn phases(time_s: &[f64], position_m: &[f64]) -> Vec<Phase> {
     phases
 }
 
-/// A part of a record with one move between two rests, the chamber closed.
+/// Part of a record with one move between two rests, with the chamber closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
     /// First time, s.
@@ -88,7 +88,7 @@ pub struct Cycle {
     pub compresses: bool,
 }
 
-/// A row's time as people write it: to the millisecond, or to a tenth of the time from row to row where that is less.
+/// Rounds a row's time for display: to the millisecond, or to a tenth of the row interval where that is less.
 pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
     let finest = (0.1 * interval_s).clamp(1e-9, 1e-3);
     let per_second = 10_f64.powf((-finest.log10() - 1e-6).ceil());
@@ -96,16 +96,16 @@ pub fn as_written(time_s: f64, interval_s: f64) -> f64 {
     (time_s * per_second).round() / per_second + 0.0
 }
 
-/// The windows of single push-and-hold tests, and how many moves were passed over as the pressure did not answer them:
-/// the port was open. A window begins after the port is shut, and ends before the next move, or where the pressure leaves its course as
-/// the port is opened.
+/// The windows of single push-and-hold tests, and the number of moves skipped because the pressure did not respond: the port was
+/// open. A window begins after the port is shut, and ends before the next move or where opening the port makes the pressure
+/// depart from its course.
 ///
-/// The record is its time, s, pressure, Pa, and position, m.
+/// The record consists of time, s, pressure, Pa, and position, m.
 pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Vec<Cycle>, usize) {
     let [time_s, pressure_pa, position_m] = record;
     let mean = |values: &[f64], rows: Range<usize>| values[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let (mut cycles, mut open) = (Vec::new(), 0);
-    // Of moves nothing is asked.
+    // Moves are not checked.
     let closed_until = |phase: &Phase| match phase.moving {
         true => phase.rows.end,
         false => closed_until([time_s, pressure_pa], readings, phase.rows.clone()),
@@ -119,23 +119,23 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
         let lead =
             time_s[before.rows.end - 1] - LEAD_S.min((time_s[before.rows.end - 1] - time_s[before.rows.start]) / 2.0);
         let in_lead = before.rows.start + time_s[before.rows.clone()].partition_point(|t| *t < lead);
-        // Where the port was opened or shut in the rest, no row from before that is of this test.
+        // If the port was opened or shut during the rest, earlier rows do not belong to this test.
         let shut = closed_from([time_s, pressure_pa], readings, before.rows.clone());
         let opened = Some(opened).filter(|row| *row < before.rows.end.saturating_sub(REST_ROWS));
         let first = shut.into_iter().chain(opened).fold(in_lead, usize::max);
         let begin = before.rows.end.saturating_sub(REST_ROWS).max(first)..before.rows.end;
         let end = after.rows.start..(after.rows.start + REST_ROWS).min(after.rows.end);
         let [from_m, to_m] = [begin.clone(), end.clone()].map(|rows| mean(position_m, rows));
-        // Positions may count from anywhere: of the volume no more is taken than that it shrinks by so much at the least.
+        // The zero of positions is unknown: assume only the smallest possible relative change of the volume.
         let travel = (from_m - to_m) / from_m.abs().max(to_m.abs());
         let rest_pa = mean(pressure_pa, begin.clone());
         let answer = |rows: Range<usize>| (mean(pressure_pa, rows) / rest_pa).ln();
         let is_answered = |rows: Range<usize>| answer(rows) * travel.signum() >= LEAST_ANSWER * travel.abs();
-        // An opened port changes the pressure before the piston is on its way.
+        // An opened port changes the pressure before the piston has moved far.
         let on_its_way = |row: &usize| (position_m[*row] - from_m).abs() > EARLY * (to_m - from_m).abs();
         let early = push.rows.clone().find(on_its_way).map_or(push.rows.start, |row| (row - 1).max(begin.start));
         let answered_early = (pressure_pa[early] / rest_pa).ln() / answer(end.clone());
-        // What answers for a moment only is a narrow port, and so is what still empties or fills the chamber.
+        // A brief response indicates a narrow port, as does a chamber that is still emptying or filling.
         let judged_s = time_s[after.rows.start] + LASTING_S;
         let judged = after.rows.start + time_s[after.rows.start..last].partition_point(|t| *t < judged_s);
         let settled = judged.saturating_sub(REST_ROWS).max(after.rows.start)..judged;
@@ -151,21 +151,21 @@ pub fn cycles(record: [&[f64]; 3], readings: &Readings, phases: &[Phase]) -> (Ve
     (cycles, open)
 }
 
-/// The first row of a rest after the port was shut in it, if it was.
+/// The first row of a rest after the port was shut, if it was shut during the rest.
 fn closed_from(record: [&[f64]; 2], readings: &Readings, rest: Range<usize>) -> Option<usize> {
     let (rows, [times_s, pressures_pa]) = read_out(record, readings, rest);
     shut_from(&times_s, &pressures_pa, readings.deviation_pa()).map(|first| rows[first])
 }
 
-/// Those of some rows at which the sensor was read out, with their times, s, and pressures, Pa.
+/// The rows in a range at which the sensor was read out, with their times, s, and pressures, Pa.
 fn read_out(record: [&[f64]; 2], readings: &Readings, rows: Range<usize>) -> (Vec<usize>, [Vec<f64>; 2]) {
     let rows: Vec<usize> = readings.read_out(rows).collect();
     let columns = record.map(|column| rows.iter().map(|row| column[*row]).collect());
     (rows, columns)
 }
 
-/// One past the last row of a hold before its pressure leaves its course, or changes faster, in the second half, than it did in the
-/// first.
+/// One past the last row of a hold before its pressure departs from its course, or, in the second half, changes faster than in
+/// the first.
 fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: Range<usize>) -> usize {
     let rate = |row: usize| (pressure_pa[row + 1] - pressure_pa[row]).abs();
     let middle = hold.start + hold.len() / 2;
@@ -173,7 +173,7 @@ fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: R
     let jump = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
     let (rows, [times_s, held_pa]) = read_out([time_s, pressure_pa], readings, hold.clone());
     let opened = opened_from(&times_s, &held_pa, readings.deviation_pa()).map(|first| rows[first]);
-    // The last rows before a move, or a jump, may already belong to it.
+    // The last rows before a move or a jump may already belong to it.
     let until = jump.into_iter().chain(opened).min().unwrap_or(hold.end);
     until.saturating_sub(2).max(hold.start + 1)
 }
@@ -182,7 +182,7 @@ fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: R
 mod tests {
     use super::*;
 
-    /// Rest, push, hold, return, rest, three times over; time, position and the pressure of a chamber closed but for returns.
+    /// Rest, push, hold, return, rest, three times; time, position and the pressure of a chamber closed except during returns.
     fn record() -> [Vec<f64>; 3] {
         let mut all = [Vec::new(), Vec::new(), Vec::new()];
         for k in 0..3000 {
@@ -252,7 +252,8 @@ mod tests {
         let normal = |k: usize| 50.0 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
         for (k, (t, p)) in time.iter().zip(&mut pressure).enumerate() {
             let t = t % 10.0;
-            // Opened at 5 s, it empties with 0.8 s; the return draws it down by a third, and it fills again.
+            // Opened at 5 s, it empties with a time constant of 0.8 s; the return lowers the pressure by a third, and it fills
+            // again.
             let open = (1e5 - *p).min(0.0) * (1.0 - (-(t - 5.0).max(0.0) / 0.8).exp());
             let drawn = if t < 7.0 { 0.0 } else { -3e4 * ((t - 7.0) / 0.1).min((-(t - 7.1) / 0.8).exp()) };
             *p = if t < 6.5 { *p + open } else { 1e5 + 9.3e4 * (-(t - 5.0) / 0.8).exp() + drawn } + normal(k);

@@ -1,4 +1,4 @@
-//! A rig file that says what was found in a trace.
+//! Writes a rig file with the findings from a trace.
 
 use super::Look;
 use super::described::Guessed;
@@ -10,23 +10,23 @@ use crate::units::VOLT;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// What the user says beside the trace.
+/// Information from the user beyond the trace.
 #[derive(Clone, Debug, Default)]
 pub struct UserInput {
-    /// Bore of the cylinder, m; `None` leaves it to be filled in.
+    /// Bore of the cylinder, m; `None` leaves it to fill in.
     pub bore_m: Option<f64>,
-    /// The trace as the rig file is to name it.
+    /// The trace's path for the rig file.
     pub trace: String,
     /// Name of the experiment.
     pub name: String,
-    /// Windows of single tests, where these are asked for; else the whole record is one.
+    /// Windows of single tests, if requested; otherwise the whole record is one.
     pub cycles: Option<Vec<Cycle>>,
 }
 
-/// The text of a rig file. What cannot be known stands in it as a comment that begins with `FILL IN`.
+/// The text of a rig file. Unknown values are marked by a comment that begins with `FILL IN`.
 pub fn rig_file(look: &Look, stated: &UserInput) -> String {
     let mut out = String::new();
-    // Writing to a text does not fail.
+    // Writing to a string does not fail.
     let _ = write(&mut out, look, stated);
     out
 }
@@ -89,14 +89,14 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     if column.in_percent {
         remarks.push("FILL IN unit, and scale = (of that unit for each percent)".into());
     } else if let Some(unknown) = &column.unknown_unit {
-        // A comment ends with its line.
+        // A comment ends at the end of its line.
         let unknown = unknown.replace(char::is_control, " ");
         remarks.push(format!("CHECK the unit: `{unknown}` is none that is read; guessed from the values").into());
     } else if column.unit_guessed {
         remarks.push("CHECK the unit: guessed from the values".into());
     }
     if column.unit.name == VOLT {
-        // A rig file without them is refused; with any numbers it would be taken for the whole truth.
+        // A rig file without them is refused; placeholder numbers would be believed.
         remarks.push(
             "FILL IN scale = (SI units per volt) and offset = (SI units at zero volts), within the braces".into(),
         );

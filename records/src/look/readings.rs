@@ -1,43 +1,44 @@
-//! How a record was read: rate, gaps, resolution, and how often the sensor itself was read out.
+//! Sampling of a record: rate, gaps, resolution, and the sensor's actual readout rate.
 
 use crate::statistics::{bends, median, white_noise};
 use std::ops::Range;
 
-/// A readout is slower than the rows if so large a share of the changes stands at every k-th row ...
+/// The readout is slower than the rows if this fraction of the changes falls on every k-th row ...
 const SHARE: f64 = 0.95;
-/// ... and there are so many of them.
+/// ... and there are at least this many changes.
 const CHANGES: usize = 20;
-/// Interpolated between readouts, no larger share of the rows bends: half where every second row is one; of noise nearly all do.
+/// Largest fraction of rows with a bend for readings interpolated between readouts: half where every second row is a readout;
+/// with noise nearly all rows bend.
 const MOST_KINKS: f64 = 0.6;
-/// The slowest readout that is looked for, rows.
+/// Slowest readout searched for, rows.
 const MOST_ROWS: usize = 100;
-/// So many rows tell the resolution.
+/// Number of rows used to find the resolution.
 const RESOLUTION_ROWS: usize = 20_000;
 
-/// What a record's times and pressures show.
+/// Sampling and noise of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     /// Median interval between rows, s.
     pub interval_s: f64,
-    /// Intervals of more than one and a half of that.
+    /// Number of intervals longer than 1.5 times the median.
     pub gaps: usize,
-    /// Spacing of the pressures, Pa, where they lie on a lattice.
+    /// Spacing of the pressures, Pa, if they lie on a grid.
     pub step_pa: Option<f64>,
-    /// How often the pressure changes, Hz, where that is less often than the rows: held or interpolated between.
+    /// Readout rate of the pressure, Hz, if lower than the row rate: held or interpolated in between.
     pub readout_hz: Option<f64>,
-    /// Rows from one readout to the next, and the first row that is one.
+    /// Rows between readouts, and the first readout.
     readout: Readout,
-    /// Standard deviation of the pressure from readout to readout, Pa, slow changes aside.
+    /// Standard deviation of the pressure between readouts, Pa, without slow changes.
     pub noise_pa: f64,
 }
 
 impl Readings {
-    /// Of a record of at least three rows.
+    /// Analyses a record of at least three rows.
     pub fn of(time_s: &[f64], pressure_pa: &[f64]) -> Self {
         let intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let interval_s = median(intervals.clone());
         let readout = Readout::of(pressure_pa);
-        // Between readouts there is no noise.
+        // Rows between readouts carry no noise of their own.
         let read: Vec<f64> = readout.rows(0..pressure_pa.len()).map(|row| pressure_pa[row]).collect();
         Self {
             interval_s,
@@ -49,17 +50,17 @@ impl Readings {
         }
     }
 
-    /// Those of some rows at which the sensor was read out.
+    /// The rows in a range at which the sensor was read out.
     pub fn read_out(&self, rows: Range<usize>) -> impl Iterator<Item = usize> + use<> {
         self.readout.rows(rows)
     }
 
-    /// Standard deviation of a pressure, Pa, its rounding included.
+    /// Standard deviation of a pressure, Pa, including its rounding.
     pub fn deviation_pa(&self) -> f64 {
         self.noise_pa.hypot(self.step_pa.unwrap_or(0.0) / 12.0_f64.sqrt())
     }
 
-    /// Rows in a second.
+    /// Rows per second.
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.interval_s
     }
@@ -75,12 +76,12 @@ struct Readout {
 impl Readout {
     const EACH_ROW: Self = Self { every: 1, first: 0 };
 
-    /// At which multiple of rows the pressure is read out: where it changes (held between), or where it bends (interpolated).
+    /// Finds the readout rows: those where the pressure changes (held in between) or bends (interpolated).
     fn of(pressure: &[f64]) -> Self {
         let changes = (1..pressure.len()).filter(|&i| pressure[i] != pressure[i - 1]).collect::<Vec<_>>();
         let bends: Vec<f64> = bends(pressure).collect();
         let interpolated = || {
-            // Straight lines between readings bend by rounding only: far less than the readings' own noise.
+            // Straight lines between readings bend only by rounding: far less than the noise of the readings.
             let mut sorted = bends.clone();
             sorted.sort_by(f64::total_cmp);
             let typical = *sorted.get(sorted.len() * 97 / 100)?;
@@ -90,7 +91,7 @@ impl Readout {
         period(&changes).or_else(interpolated).unwrap_or(Self::EACH_ROW)
     }
 
-    /// Those among some rows.
+    /// The readouts in a range of rows.
     fn rows(self, rows: Range<usize>) -> impl Iterator<Item = usize> {
         let Self { every, first } = self;
         let begin = rows.start + (first + every - rows.start % every) % every;
@@ -98,7 +99,7 @@ impl Readout {
     }
 }
 
-/// Spacing of a lattice that the values lie on: the smallest gaps between different values, if the others are multiples.
+/// Spacing of the grid that the values lie on: the smallest gaps between different values, if the others are multiples.
 fn step(values: &[f64]) -> Option<f64> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
@@ -118,7 +119,7 @@ fn step(values: &[f64]) -> Option<f64> {
     }
     let near: Vec<f64> = gaps.iter().filter(|gap| **gap < 20.0 * step).map(|gap| gap / step).collect();
     let off = near.iter().map(|multiple| (multiple - multiple.round()).abs()).sum::<f64>() / near.len().max(1) as f64;
-    // Random gaps are a quarter off on average.
+    // Random gaps deviate from multiples by a quarter on average.
     (near.len() >= 3 && off < 0.08).then_some(step)
 }
 
@@ -139,7 +140,7 @@ fn period(indices: &[usize]) -> Option<Readout> {
 mod tests {
     use super::*;
 
-    /// A relaxation with pseudo-random noise of that size, Pa.
+    /// A relaxation with pseudo-random noise of an amplitude, Pa.
     fn relaxation(rows: usize, noise: f64) -> Vec<f64> {
         // The finalizer of SplitMix64.
         let random = |k: usize| {

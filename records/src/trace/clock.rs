@@ -1,4 +1,4 @@
-//! Clock times and dates as loggers write them, in seconds from the first of a file on.
+//! Clock times and dates of loggers, converted to seconds since the first one in a file.
 
 use chrono::{DateTime, NaiveDateTime, NaiveTime};
 
@@ -6,20 +6,20 @@ use chrono::{DateTime, NaiveDateTime, NaiveTime};
 const DAY_S: f64 = 86_400.0;
 const HOUR_S: f64 = 3600.0;
 
-/// A way to write a moment.
+/// Notation of a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
-    /// Date, time and zone as ISO 8601 and RFC 3339 have them.
+    /// Date, time and zone as in ISO 8601 and RFC 3339.
     Zoned,
     /// Date and time.
     Date(&'static str),
     /// The time of the day.
     Time(&'static str),
-    /// Minutes and seconds with decimals, as Excel shows short times.
+    /// Minutes and seconds with decimals, Excel's format for short times.
     Minutes,
 }
 
-/// The ways that are read, in the order in which they are tried. A comma before the decimals counts as a point.
+/// Accepted notations, in the order tried. A decimal comma counts as a point.
 const FORMS: [Form; 13] = [
     Form::Time("%H:%M:%S%.f"),
     Form::Time("%I:%M:%S%.f %p"),
@@ -37,7 +37,7 @@ const FORMS: [Form; 13] = [
 ];
 
 impl Form {
-    /// Days and seconds of the day; days count from anywhere.
+    /// Days, from an arbitrary origin, and seconds of the day.
     fn parse(self, text: &str) -> Option<(i64, f64)> {
         let seconds = |time: NaiveTime| {
             use chrono::Timelike;
@@ -52,7 +52,7 @@ impl Form {
         }
     }
 
-    /// Seconds after which a time without a date begins anew.
+    /// Period, s, after which a time without a date restarts.
     fn round_s(self) -> Option<f64> {
         match self {
             Form::Time(_) => Some(DAY_S),
@@ -62,7 +62,7 @@ impl Form {
     }
 }
 
-/// Seconds of `12:34.5`. Without decimals it would be a time of the day in hours and minutes.
+/// Seconds of `12:34.5`. Without decimals it would be a time of day in hours and minutes.
 fn minutes(text: &str) -> Option<f64> {
     let (minutes, seconds) = text.split_once(':')?;
     let (whole, _) = seconds.split_once('.')?;
@@ -76,15 +76,15 @@ fn minutes(text: &str) -> Option<f64> {
 pub struct Clock {
     form: Form,
     origin: (i64, f64),
-    /// Time read last, s, and how often it has begun anew, at midnight say, where no date is written.
+    /// Last time read, s, and the number of restarts, for example at midnight, where no date is written.
     last_s: f64,
     rounds: i64,
 }
 
 impl Clock {
-    /// Begins with the file's first moment, if `text` is one.
+    /// Starts with the file's first moment, if `text` is one.
     pub fn beginning_with(text: &str) -> Option<Self> {
-        // Whatever is read has digits and, but for the compact form, colons: a short way out.
+        // Early exit: every notation begins with a digit and, except for the compact one, contains colons.
         if !text.as_bytes().first()?.is_ascii_digit() || text.len() > 40 || !text.contains([':', 'T']) {
             return None;
         }
@@ -93,8 +93,8 @@ impl Clock {
         Some(Self { form, origin, last_s: origin.1, rounds: 0 })
     }
 
-    /// Seconds since the first moment. A clock that falls by more than half a day has passed midnight, one without hours that
-    /// falls by more than half an hour the full hour.
+    /// Seconds since the first moment. A clock that falls by more than half a day has passed midnight; one without hours that
+    /// falls by more than half an hour has passed the full hour.
     pub fn seconds(&mut self, text: &str) -> Option<f64> {
         let text = if text.contains(',') { &text.replace(',', ".") } else { text };
         let (day, second) = self.form.parse(text)?;
@@ -149,7 +149,7 @@ mod tests {
     fn midnight_does_not_turn_time_back() {
         assert_eq!(seconds(&["23:59:59.9", "00:00:00.1", "00:00:00.3"]), [0.0, 0.2, 0.4]);
         assert_eq!(seconds(&["2026-12-31 23:59:59", "2027-01-01 00:00:01"]), [0.0, 2.0]);
-        // Two rows that changed places at midnight.
+        // Two rows swapped at midnight.
         assert_eq!(seconds(&["23:59:59.8", "00:00:00.0", "23:59:59.9", "00:00:00.1"]), [0.0, 0.2, 0.1, 0.3]);
     }
 

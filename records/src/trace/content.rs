@@ -1,4 +1,4 @@
-//! Where the bytes of a trace come from: its file or, of what can be read only once, as a pipe, a copy.
+//! Source of a trace's bytes: its file or, for something readable only once such as a pipe, a copy.
 
 use super::lines::{self, MAX_BYTES};
 use crate::error::Error;
@@ -9,14 +9,14 @@ use std::path::Path;
 /// The bytes of a trace.
 #[derive(Debug)]
 pub enum Content {
-    /// What the path leads to.
+    /// The file at the path.
     File,
-    /// A copy of it.
+    /// A copy of its bytes.
     Copy(Vec<u8>),
 }
 
 impl Content {
-    /// What can be read more than once: the file itself or, where the path leads to no file, a copy.
+    /// Content that can be read repeatedly: the file itself or, if the path is no regular file, a copy.
     ///
     /// # Errors
     /// [`Error::Read`].
@@ -27,13 +27,13 @@ impl Content {
             return Ok(Self::File);
         }
         let mut bytes = Vec::new();
-        // Of more, [`lines::Lines`] says that it is too much.
+        // Beyond the limit, [`lines::Lines`] reports that it is too large.
         let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
         read.map_err(unreadable)?;
         Ok(Self::Copy(bytes))
     }
 
-    /// The bytes from the first on.
+    /// A reader from the first byte.
     ///
     /// # Errors
     /// [`Error::Read`], or [`Error::Trace`] for a file that is too large.

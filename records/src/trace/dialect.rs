@@ -1,7 +1,7 @@
-//! How a trace file's text is written, found from its first lines: separator, decimal sign, header, units line.
+//! Text format of a trace file, detected from its first lines: separator, decimal sign, header, units line.
 //!
-//! What a rig file states holds. The rest is what makes numbers of the most fields of the most lines; the header is the
-//! line that has the wanted names or, where none has, the last line before the numbers that has as many fields as they.
+//! Statements of a rig file take precedence. Otherwise the format is chosen that turns most fields of most lines into numbers;
+//! the header is the line with the wanted names or, if there is none, the last line before the numbers with as many fields.
 
 use super::clock;
 use super::fields::{number, texts};
@@ -10,32 +10,32 @@ use super::lines::Line;
 use crate::format::{Decimal, Format, Separator};
 use std::collections::HashMap;
 
-/// What begins a comment where nothing else is stated.
+/// Default prefixes of comments.
 const COMMENTS: [&str; 3] = ["#", "%", "//"];
 
-/// How a file's text is written.
+/// Text format of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dialect {
-    /// What stands between columns.
+    /// Separator between columns.
     pub separator: Separator,
-    /// What stands before decimals.
+    /// Decimal sign.
     pub decimal: Decimal,
-    /// What comments begin with.
+    /// Prefixes of comments.
     pub comments: Vec<String>,
-    /// The header's line; none where the file begins with numbers.
+    /// Line of the header; `None` if the file begins with numbers.
     pub header: Option<usize>,
     /// Names of the columns; `column 1` and so on where there is no header.
     pub names: Vec<String>,
-    /// The units line and what it says of each column.
+    /// The units line and its text for each column.
     pub units: Option<(usize, Vec<String>)>,
     /// Line of the first row.
     pub first_row: usize,
-    /// How many fields a row has at the least.
+    /// Minimum number of fields in a row.
     pub fields: usize,
 }
 
 impl Dialect {
-    /// Finds it from the file's first lines; `wanted` are names that the header should have.
+    /// Detects it from the file's first lines; `wanted` are names expected in the header.
     pub fn find<'l>(head: impl IntoIterator<Item = &'l Line>, format: &Format, wanted: &[&str]) -> Self {
         let comments: Vec<String> = match &format.comment {
             Some(comment) => vec![comment.clone()],
@@ -46,7 +46,7 @@ impl Dialect {
         let rows: Vec<&Line> = all.iter().copied().filter(|(_, line)| !is_comment(line)).collect();
         let Body { separator, decimal, fields, first } = Body::find(&rows, format, wanted);
         let first_numbers = first.map_or(usize::MAX, |index| rows[index].0);
-        // Before the numbers: comments count, as some loggers write their header as one.
+        // Lines before the numbers, including comments, as some loggers write the header as one.
         let before: Vec<&Line> = all.iter().copied().filter(|(number, _)| *number < first_numbers).collect();
         let split = |line: &str| names(line, &comments, separator, fields);
         let header = header(&before, &rows, &split, wanted, fields, is_comment);
@@ -68,7 +68,7 @@ impl Dialect {
         let mut between = after.clone().take_while(|(number, line)| *number < first_numbers && !numbers(line));
         let units = between.find(|(_, line)| is_units(&split(line))).map(|(number, line)| (*number, split(line)));
         let units = units.or_else(|| labview_units(&before, separator));
-        // A file without any number has no row in its units line either.
+        // In a file without numbers, the units line is not a row either.
         let last = header.0.max(units.as_ref().map_or(0, |(line, _)| *line));
         let first_row = after.clone().find(|(_, line)| numbers(line)).or(after.clone().find(|(line, _)| *line > last));
         let names = split(&header.1);
@@ -92,9 +92,9 @@ impl Dialect {
             && self.comments.iter().any(|begin| line.starts_with(begin))
     }
 
-    /// The column of that name, or `column 3`; the second where two have it.
+    /// Index of the column with that name, or of `column 3`, and of the second one if two have it.
     pub fn place(&self, name: &str) -> (Option<usize>, Option<usize>) {
-        // A `#` before the header is not part of the first name, whichever way the rig writes it.
+        // A `#` before the header is not part of the first name, whether or not the rig file writes it.
         let wanted = name.trim_start_matches('#').trim();
         let mut places = self.names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(place, _)| place);
         match (places.next(), places.next()) {
@@ -107,13 +107,13 @@ impl Dialect {
     }
 }
 
-/// The part of a file that holds its numbers.
+/// The part of a file that contains its numbers.
 struct Body {
     separator: Separator,
     decimal: Decimal,
-    /// Fields of a usual row, without empty ones at its end; 0 where no line has numbers.
+    /// Fields of a typical row, without trailing empty ones; 0 if no line has numbers.
     fields: usize,
-    /// Index of the first of its lines.
+    /// Index of its first line.
     first: Option<usize>,
 }
 
@@ -136,7 +136,7 @@ impl Body {
             }
         }
         best.1.unwrap_or_else(|| {
-            // No numbers: the line with the most of the wanted names, or the first.
+            // No numbers: the line with most of the wanted names, or the first.
             let hits = |line: &str| wanted.iter().filter(|name| line.contains(**name)).count();
             let line = rows.iter().rev().max_by_key(|(_, line)| hits(line)).map_or("", |(_, line)| line.as_str());
             let in_line = |(_, separator): &(_, Separator)| match separator {
@@ -149,7 +149,7 @@ impl Body {
         })
     }
 
-    /// The rows as that separator and decimal sign have them: how well they fit, and where they begin.
+    /// Interprets the rows with this separator and decimal sign: a score of the fit, and where they begin.
     fn read_as(rows: &[&Line], separator: Separator, decimal: Decimal) -> Option<(f64, Self)> {
         let shape = |line: &str| -> Vec<bool> {
             let mut fields = texts(line, separator);
@@ -164,10 +164,10 @@ impl Body {
         for shape in shapes.iter().filter(|shape| numbers(shape) >= 2) {
             *counts.entry(shape).or_default() += 1;
         }
-        // The most frequent shape; of equally frequent ones that with more numbers, then the longer.
+        // The most frequent shape; among equals the one with more numbers, then the longer one.
         let (usual, count) = counts.into_iter().max_by_key(|(shape, count)| (*count, numbers(shape), shape.len()))?;
         let mut first = shapes.iter().position(|shape| shape == usual)?;
-        // Lines right before that miss a number or two are rows as well.
+        // Preceding lines that lack a number or two are rows as well.
         let alike = |shape: &[bool]| shape.len() == usual.len() && 2 * numbers(shape) >= numbers(usual);
         while first > 0 && alike(&shapes[first - 1]) {
             first -= 1;

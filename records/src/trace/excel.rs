@@ -1,15 +1,15 @@
-//! Moments as Excel stores them: days since the end of 1899, with the time of the day as their fraction.
+//! Excel's moments: days since the end of 1899, with the time of day as their fraction.
 
 use std::ops::Range;
 
-/// From 1954 to 2119.
+/// Day numbers from 1954 to 2119.
 const DAYS: Range<f64> = 20_000.0..80_000.0;
-/// Seconds that a record of push and hold takes at least.
+/// Minimum duration of a push-and-hold record, s.
 const SHORTEST_RECORD: f64 = 0.05;
-/// Seconds between rows, at most: no logger of cylinders is faster.
+/// Minimum interval between rows, s: no logger of cylinders is faster.
 const SHORTEST_STEP: f64 = 2e-5;
 
-/// Whether so many times between these two can only be Excel's days: taken for seconds, the record is too short and too fast.
+/// Whether this many times between these two can only be Excel's days: as seconds, the record would be too short and too fast.
 pub fn are_days(from: f64, to: f64, rows: usize) -> bool {
     let span = to - from;
     let step = span / rows.saturating_sub(1).max(1) as f64;

@@ -1,13 +1,13 @@
 //! The fields of a line, and the numbers in them.
 //!
-//! A row of a trace is a line: a stray quote spoils that row and no more, which is why this is no CSV parser's work.
+//! A row of a trace is one line, so that a stray quote spoils only that row: hence no CSV parser.
 
 use crate::format::{Decimal, Separator};
 use std::ops::Range;
 
-/// Splits a line into fields, blanks and quotes around them taken off. `false` when a quote is not closed.
+/// Splits a line into fields without surrounding blanks and quotes. Returns `false` if a quote is not closed.
 ///
-/// Quotes follow RFC 4180, but that a field never goes on in the next line and a doubled quote stays doubled.
+/// Quotes follow RFC 4180, except that a field never continues on the next line and a doubled quote stays doubled.
 pub fn split(line: &str, separator: Separator, fields: &mut Vec<Range<usize>>) -> bool {
     fields.clear();
     match separator {
@@ -17,15 +17,15 @@ pub fn split(line: &str, separator: Separator, fields: &mut Vec<Range<usize>>) -
     true
 }
 
-/// The fields of a line as texts, blanks and quotes around them taken off; what follows an open quote is left out.
+/// The fields of a line as texts, without surrounding blanks and quotes; text after an unclosed quote is dropped.
 pub fn texts(line: &str, separator: Separator) -> Vec<&str> {
     let mut fields = Vec::new();
     split(line, separator, &mut fields);
     fields.into_iter().map(|field| &line[field]).collect()
 }
 
-/// Whether a number is a mark of an instrument for no reading: SCPI writes 9.9E37 for an overload, -9.9E37 for one below the range
-/// and 9.91E37 for no number, in single precision mostly, which may round down.
+/// Whether a number is an instrument's mark for a missing reading: SCPI writes 9.9E37 for an overload, -9.9E37 for an underrange
+/// and 9.91E37 for NaN, mostly in single precision, which may round down.
 #[inline]
 pub fn is_no_reading(number: f64) -> bool {
     const MARK: f64 = 9.9e37 * (1.0 - 1e-6);
@@ -42,8 +42,8 @@ pub fn number(text: &str, decimal: Decimal) -> Option<f64> {
     plain.or_else(|| grouped(text, decimal))
 }
 
-/// A number whose thousands are set apart, as `101'325.0`, `101 325,0` and `101.325,0` are. A point or a comma sets them apart only
-/// where the other one follows: alone it would be a decimal sign.
+/// Parses a number with grouped thousands, such as `101'325.0`, `101 325,0` and `101.325,0`. A point or comma separates thousands
+/// only if the other one follows: alone it would be a decimal sign.
 #[cold]
 fn grouped(text: &str, decimal: Decimal) -> Option<f64> {
     const MARKS: [char; 6] = ['\'', '’', ' ', '\u{a0}', '\u{202f}', '\u{2009}'];
@@ -65,7 +65,7 @@ fn grouped(text: &str, decimal: Decimal) -> Option<f64> {
     format!("{}.{}", whole.replace(mark, ""), decimals.unwrap_or("0")).parse().ok()
 }
 
-/// A number's text with a point in place of its comma, on the stack.
+/// A number's text with its decimal comma replaced by a point, on the stack.
 struct Pointed([u8; 40], usize);
 
 impl Pointed {
@@ -78,7 +78,7 @@ fn with_point(text: &str) -> Option<Pointed> {
     let mut pointed = Pointed([0; 40], text.len());
     let bytes = pointed.0.get_mut(..text.len())?;
     bytes.copy_from_slice(text.as_bytes());
-    // A point beside a decimal comma sets thousands apart, or is a decimal point after all.
+    // A point beside a decimal comma separates thousands, or is a decimal point after all.
     if bytes.contains(&b'.') {
         return None;
     }
@@ -121,7 +121,7 @@ fn split_at(line: &str, separator: u8, fields: &mut Vec<Range<usize>>) -> bool {
     }
 }
 
-/// Where the quote that ends a field stands, a doubled one being part of the field.
+/// Position of the quote that ends a field; doubled quotes are part of the field.
 fn closing_quote(bytes: &[u8], mut at: usize) -> Option<usize> {
     loop {
         at += bytes[at..].iter().position(|byte| *byte == b'"')?;

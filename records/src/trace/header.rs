@@ -10,9 +10,9 @@ use crate::units::{CLOCK, Unit, VOLT, says_absolute, says_gauge, sure_unit};
 
 /// The header, matched with the layout.
 pub struct Header<'a> {
-    /// Its line, or that of the first row where there is none.
+    /// Its line, or that of the first row if there is none.
     pub line: usize,
-    /// The quantities that are there, in the order of [`Quantity::ALL`]: which, in which field, how laid out.
+    /// The quantities found, in the order of [`Quantity::ALL`]: quantity, field index, layout.
     pub found: Vec<(Quantity, usize, &'a Column)>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Header<'a> {
         Ok(Self { line, found })
     }
 
-    /// Which of the found columns holds that quantity.
+    /// Index of a quantity among the found columns.
     pub fn place(&self, quantity: Quantity) -> Option<usize> {
         self.found.iter().position(|(found, _, _)| *found == quantity)
     }
@@ -56,8 +56,8 @@ fn needed(quantity: Quantity, column: &Column, need: Need) -> bool {
 }
 
 /// Refuses a units line, or a unit in the column's name, that contradicts the layout: one in brackets (`p (psi)`), or one at the
-/// name's end (`p_psi`) where the rig file states none. A voltage may be scaled to any unit, a clock has none, and a scale may make
-/// the one unit of the other.
+/// name's end (`p_psi`) where the rig file states none. Exempt are a voltage, which may be scaled to any unit, a clock, which has
+/// none, and a scale that converts between the units.
 fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Column) -> Result<(), TraceProblem> {
     let Some(said) = Said::of(dialect, quantity, place, column) else { return Ok(()) };
     let Said { line, spelling, unit, in_name } = said;
@@ -79,7 +79,7 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
         });
     }
     let reference = |gauge| if gauge { "gauge" } else { "absolute" };
-    // An offset of the column may be that of the surroundings.
+    // The column's offset may be the ambient pressure.
     let is_other = if column.gauge { says_absolute(spelling) } else { says_gauge(spelling) && !column.stated.scale };
     if quantity == Quantity::Pressure && is_other {
         let [found, expected] = [reference(!column.gauge), reference(column.gauge)];
@@ -89,19 +89,19 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
     Ok(())
 }
 
-/// The unit that a file itself says a column has.
+/// The unit of a column according to the file itself.
 struct Said<'d> {
-    /// The line that says so.
+    /// The line that states it.
     line: usize,
-    /// As it stands there.
+    /// Its spelling there.
     spelling: &'d str,
     unit: &'static Unit,
-    /// Whether the column's name says it, rather than a units line.
+    /// Whether the column's name states it, rather than a units line.
     in_name: bool,
 }
 
 impl<'d> Said<'d> {
-    /// What the units line says or, where that says nothing, the name by which the rig file knows the column.
+    /// From the units line or, if that states nothing, from the column's name.
     fn of(dialect: &'d Dialect, quantity: Quantity, place: usize, column: &Column) -> Option<Self> {
         let of = |line, spelling, in_name| {
             let unit = quantity.unit_spelled(spelling)?;
@@ -115,7 +115,7 @@ impl<'d> Said<'d> {
     }
 }
 
-/// That a column is not there, with what may help; `stated` says whether the rig file states the separator.
+/// An error for a missing column, with a hint; `stated`: whether the rig file states the separator.
 pub fn missing_column(wanted: &str, dialect: &Dialect, stated: bool) -> TraceProblem {
     let line = dialect.header.unwrap_or(dialect.first_row);
     let near = nearest(wanted, dialect.names.iter().map(String::as_str));
@@ -135,7 +135,7 @@ pub fn missing_column(wanted: &str, dialect: &Dialect, stated: bool) -> TracePro
     TraceProblem::MissingColumn { line, column: wanted.to_owned(), there: at_most(there, 12), hint }
 }
 
-/// The first so many, and that there are more.
+/// The first `count` items, and how many more there are.
 fn at_most(items: impl Iterator<Item = String>, count: usize) -> Vec<String> {
     let mut items: Vec<String> = items.collect();
     if items.len() > count {
@@ -146,7 +146,7 @@ fn at_most(items: impl Iterator<Item = String>, count: usize) -> Vec<String> {
     items
 }
 
-/// Whether a separator splits what the given one leaves in one piece.
+/// Whether another separator would split the name.
 fn another_separates(name: &str, separator: Separator) -> bool {
     Separator::ALL.iter().any(|(_, other)| match other {
         _ if *other == separator => false,

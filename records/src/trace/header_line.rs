@@ -1,12 +1,12 @@
-//! Which line of a trace file is its header, and which its units line.
+//! Finds the header and the units line of a trace file.
 
 use super::fields::texts;
 use super::lines::Line;
 use crate::format::Separator;
 use crate::units::Quantity;
 
-/// The header's line: that with most of the wanted names, or the last before the numbers that has names for them all. Of lines
-/// with as many wanted names, as a list of channels above the header, it is the last that has as many names as rows have fields.
+/// The header: the line with most of the wanted names, or the last line before the numbers with enough names. Among lines with
+/// equally many wanted names, such as a channel list above the header, it is the last with as many names as rows have fields.
 pub fn header<'l>(
     before: &[&'l Line],
     rows: &[&'l Line],
@@ -32,12 +32,12 @@ pub fn header<'l>(
     let plain = || before.iter().rev().filter(|(_, line)| !is_comment(line));
     let commented = || before.iter().rev().filter(|(_, line)| is_comment(line));
     let found = plain().find(|(_, line)| names_all(line)).or_else(|| commented().find(|(_, line)| names_all(line)));
-    // None has as many names: the one right before the numbers, or the first line of a file without numbers.
+    // None has enough names: the line directly before the numbers, or the first line of a file without numbers.
     let last = if fields > 0 { plain().next() } else { rows.first().or(before.first()) };
     found.filter(|_| fields > 0).or(last).copied()
 }
 
-/// A header's names: split like the rows or, where that gives another number, as headers over rows of blanks are.
+/// A header's names: split like the rows or, if that gives another number, like headers above blank-separated rows.
 pub fn names(line: &str, comments: &[String], separator: Separator, fields: usize) -> Vec<String> {
     let line = line.trim_matches([' ', '\r']);
     let line = comments.iter().find_map(|begin| line.strip_prefix(begin.as_str())).unwrap_or(line);
@@ -56,14 +56,14 @@ pub fn names(line: &str, comments: &[String], separator: Separator, fields: usiz
     let wide =
         || cleaned(line.split(['\t']).flat_map(|part| part.split("  ")).filter(|s| !s.trim().is_empty()).collect());
     let blanks = cleaned(texts(line, separator));
-    // Some loggers separate their header by commas and their rows by blanks.
+    // Some loggers separate the header by commas and the rows by blanks.
     if line.contains(',') && (fields == 0 || commas().len() == fields) {
         return commas();
     }
     if blanks.len() != fields && wide().len() == fields { wide() } else { blanks }
 }
 
-/// The units of a LabVIEW measurement's channels, in its header block; the first column is time.
+/// The units of a LabVIEW measurement's channels, from its header block; the first column is time.
 pub fn labview_units(before: &[&Line], separator: Separator) -> Option<(usize, Vec<String>)> {
     let (number, line) = before.iter().find(|(_, line)| line.starts_with("Y_Unit_Label"))?;
     let mut units: Vec<String> = texts(line, separator).into_iter().map(str::to_owned).collect();
@@ -76,7 +76,7 @@ fn is_rule(line: &str) -> bool {
     line.chars().all(|c| "-=_*+|~ \t;,".contains(c))
 }
 
-/// Whether most of what stands there are units: in brackets, or spelled as one.
+/// Whether most names are units: in brackets, or spelled like one.
 pub fn is_units(names: &[String]) -> bool {
     let filled = || names.iter().filter(|name| !name.is_empty());
     let bracketed = |text: &str| {

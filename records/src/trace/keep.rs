@@ -1,6 +1,6 @@
-//! A column of which some rows are left out.
+//! Removes rows from a column.
 
-/// Keeps the values of a column for which `keep` says so, by row; those of rows beyond it stay.
+/// Keeps the values of a column whose row is `true` in `keep`; rows beyond its end are kept.
 pub fn keep_rows(column: &mut Vec<f64>, keep: &[bool]) {
     let mut kept = keep.iter();
     column.retain(|_| *kept.next().unwrap_or(&true));

@@ -1,21 +1,21 @@
-//! Rows that are left out of a trace: which, and why. More than one in fifty are refused.
+//! Rows left out of a trace, with the reasons. More than one in fifty is refused.
 
 use crate::error::trace::{RowProblem, TraceProblem};
 use std::fmt;
 
-/// One row in so many may be left out.
+/// At most one row in this many may be left out.
 pub const ONE_IN: usize = 50;
-/// How many lines a sentence names.
+/// Number of lines named in a sentence.
 const NAMED: usize = 5;
-/// How many rows are kept with their reason while a file is read: more than may be left out of the longest.
+/// Maximum number of rows stored with their reason while reading: one more than may be left out of the longest file.
 const MOST: usize = super::reading::MAX_ROWS / ONE_IN + 1;
 
-/// A row that is no part of the trace.
+/// A row left out of the trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
     /// Its line in the file, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Its problem.
     pub reason: RowProblem,
 }
 
@@ -44,7 +44,7 @@ impl BadRows {
         self.count
     }
 
-    /// The rows left out, by line, if they are few among `rows`, those kept included.
+    /// The rows left out, by line, if they are few among `rows`, which includes those kept.
     pub fn few_among(mut self, rows: usize) -> Result<Vec<LeftOut>, TraceProblem> {
         self.found.sort_by_key(|row| row.line);
         if self.count * ONE_IN <= rows {
@@ -56,7 +56,7 @@ impl BadRows {
     }
 }
 
-/// A sentence on the rows left out, if any: how many, and the first ones with their reasons.
+/// A sentence about the rows left out, if any: their number, and the first ones with reasons.
 pub fn sentence(left_out: &[LeftOut]) -> Option<String> {
     let first: Vec<String> = left_out.iter().take(NAMED).map(LeftOut::to_string).collect();
     let (count, more) = (left_out.len(), if left_out.len() > NAMED { "; ..." } else { "" });

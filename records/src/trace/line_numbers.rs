@@ -1,11 +1,11 @@
-//! The line of each row in its file, by the rows at which lines do not simply go on.
+//! Line number of each row, stored at the rows where lines are not consecutive.
 
-/// The lines of a record's rows. Without any the record is of no file.
+/// The line numbers of a record's rows; empty for a record without a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LineNumbers(Vec<(usize, usize)>);
 
 impl LineNumbers {
-    /// Appends the line of a row that is after all before.
+    /// Appends the line of a row after all previous ones.
     #[inline]
     pub(super) fn push(&mut self, row: usize, line: usize) {
         if self.0.last().is_none_or(|(r, l)| l + (row - r) != line) {
@@ -19,7 +19,7 @@ impl LineNumbers {
         self.0.get(at.checked_sub(1)?).map(|(first, line)| line + (row - first))
     }
 
-    /// Leaves the lines of the rows that are kept.
+    /// Keeps the lines of the kept rows.
     pub fn retain(&mut self, keep: &[bool]) {
         if !self.0.is_empty() {
             *self = (0..keep.len()).filter(|row| keep[*row]).filter_map(|row| self.of(row)).collect();
@@ -28,7 +28,7 @@ impl LineNumbers {
 }
 
 impl FromIterator<usize> for LineNumbers {
-    /// Of the first row's line, the second's and so on.
+    /// From the line of the first row, of the second, and so on.
     fn from_iter<I: IntoIterator<Item = usize>>(lines: I) -> Self {
         let mut out = Self::default();
         lines.into_iter().enumerate().for_each(|(row, line)| out.push(row, line));

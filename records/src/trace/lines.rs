@@ -1,4 +1,4 @@
-//! The lines of a text file with their numbers: decoded to UTF-8, bounded in memory, the file's bytes hashed on the way.
+//! Numbered lines of a text file: decoded to UTF-8, with bounded memory, hashing the file's bytes on the way.
 
 use crate::error::trace::TraceProblem;
 use crate::format::Encoding;
@@ -10,28 +10,28 @@ use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::rc::Rc;
 
-/// The largest trace, bytes.
+/// Size limit of a trace, bytes.
 pub const MAX_BYTES: u64 = 512 << 20;
-/// The longest line, bytes of UTF-8.
+/// Length limit of a line, bytes of UTF-8.
 const MAX_LINE: u64 = 1 << 20;
-/// How much of a file is looked at to find its encoding, bytes.
+/// Part of a file used to detect its encoding, bytes.
 const FIRST_BYTES: u64 = 4096;
-/// How much of a file is looked at to find its columns, lines ...
+/// Part of a file used to detect its columns, lines ...
 const HEAD_LINES: usize = 300;
 /// ... and bytes of UTF-8.
 const HEAD_BYTES: usize = 1 << 18;
 
-/// What files of spreadsheet programs begin with, and what they are.
+/// First bytes of spreadsheet files, and what they are.
 const BINARY: [(&[u8], &str); 2] = [
     (b"PK\x03\x04", "a ZIP archive, as XLSX and ODS files are"),
     (b"\xd0\xcf\x11\xe0", "an old Office file, as XLS files are"),
 ];
 
-/// Why no next line could be had.
+/// Why reading the next line failed.
 pub enum Stop {
-    /// The system's reason.
+    /// The system's error.
     Io(io::Error),
-    /// Something in the file that cannot be text of a trace.
+    /// The file cannot be a trace.
     Problem(TraceProblem),
 }
 
@@ -55,20 +55,20 @@ pub struct Lines<'a> {
     source: BufReader<Box<dyn Read + 'a>>,
     hashed: Rc<RefCell<Hashed>>,
     encoding: Encoding,
-    /// No encoding is stated: a line that is not UTF-8 is taken for Latin-1.
+    /// No encoding is stated: a line that is not UTF-8 is read as Latin-1.
     free: bool,
-    /// What a line ends with: a carriage return alone in files of old Macintosh programs.
+    /// Line terminator: a lone carriage return in files of old Macintosh programs.
     end: u8,
-    /// Of the current line, from 1.
+    /// Number of the current line, from 1.
     number: usize,
     buffer: Vec<u8>,
     text: String,
-    /// Lines that were looked at and are still to be given.
+    /// Lines read ahead and not yet returned.
     head: VecDeque<Line>,
 }
 
 impl<'a> Lines<'a> {
-    /// Begins at the first line. Without an encoding the file's first bytes tell.
+    /// Starts at the first line. Without a stated encoding, detects it from the file's first bytes.
     pub fn new(source: impl Read + 'a, stated: Option<Encoding>) -> Result<Self, Stop> {
         let hashed = Rc::new(RefCell::new(Hashed { hash: Sha256::new(), bytes: 0 }));
         let mut source = Hashing { source, hashed: Rc::clone(&hashed) };
@@ -107,13 +107,13 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// Passes over that many lines.
+    /// Skips that many lines.
     pub fn skip(&mut self, lines: usize) -> Result<(), Stop> {
         while self.number < lines && self.read_line()? {}
         Ok(())
     }
 
-    /// The next lines, enough to see how the file is laid out; [`Lines::next_filled`] gives them again.
+    /// The next lines, enough to detect the layout; [`Lines::next_filled`] returns them again.
     pub fn head(&mut self) -> Result<&VecDeque<Line>, Stop> {
         let (mut head, mut bytes) = (std::mem::take(&mut self.head), 0);
         while head.len() < HEAD_LINES && bytes < HEAD_BYTES {
@@ -125,7 +125,7 @@ impl<'a> Lines<'a> {
         Ok(&self.head)
     }
 
-    /// The next line that is not blank, with its number and without its end; `None` after the last.
+    /// The next line that is not blank, with its number and without its terminator; `None` after the last.
     #[inline]
     pub fn next_filled(&mut self) -> Result<Option<(usize, &str)>, Stop> {
         if let Some((number, line)) = self.head.pop_front() {
@@ -172,16 +172,16 @@ impl<'a> Lines<'a> {
             let line = WINDOWS_1252.decode_without_bom_handling(&self.buffer).0.into_owned();
             self.buffer = line.into_bytes();
         }
-        // Checked, or made, above: never empty for want of UTF-8.
+        // Checked or re-encoded above, so never empty because of invalid UTF-8.
         Ok(std::str::from_utf8(&self.buffer).unwrap_or_default())
     }
 
-    /// How many lines have been read.
+    /// Number of lines read.
     pub fn number(&self) -> usize {
         self.number
     }
 
-    /// The encoding, as far as the lines given so far tell.
+    /// The encoding, as far as the lines returned so far show it.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
@@ -197,12 +197,12 @@ fn decoded<'a>(encoding: &'static encoding_rs::Encoding, source: impl Read + 'a)
     Box::new(DecodeReaderBytesBuilder::new().encoding(Some(encoding)).build(source))
 }
 
-/// A byte that no text has.
+/// A byte that does not occur in text.
 fn is_control(byte: &u8) -> bool {
     *byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0b | 0x0c | 0x1a | 0x1b)
 }
 
-/// The encoding that a file's first bytes speak for: a byte order mark, or zeros in every other byte.
+/// The encoding suggested by a file's first bytes: a byte order mark, or zeros in every other byte.
 fn guessed(first: &[u8]) -> Encoding {
     match first {
         [0xff, 0xfe, ..] => return Encoding::Utf16Le,
@@ -218,7 +218,7 @@ fn guessed(first: &[u8]) -> Encoding {
     }
 }
 
-/// Where UTF-16 is stated the file's own mark says which of the two.
+/// Where UTF-16 is stated, the file's own mark decides the byte order.
 fn among_utf16(stated: Encoding, first: &[u8]) -> Encoding {
     match (stated, guessed(first)) {
         (Encoding::Utf16Le, Encoding::Utf16Be) => Encoding::Utf16Be,
@@ -231,7 +231,7 @@ struct Hashed {
     bytes: u64,
 }
 
-/// Hashes and counts what is read through it.
+/// Hashes and counts the bytes read through it.
 struct Hashing<R> {
     source: R,
     hashed: Rc<RefCell<Hashed>>,
@@ -247,7 +247,7 @@ impl<R: Read> Read for Hashing<R> {
     }
 }
 
-/// A file that is larger than a trace may be.
+/// An error for a file larger than a trace may be.
 pub fn too_large(found: &str) -> TraceProblem {
     TraceProblem::TooLarge { found: found.to_owned(), limit: format!("{} MB", MAX_BYTES >> 20) }
 }

@@ -1,19 +1,19 @@
-//! Rows in the order of time: which do not fit into it, and whether sorting is what they need.
+//! Order of a trace's times: which rows break it, and whether the rows need sorting.
 
-/// What the times of a file need.
+/// What the times of a file require.
 #[derive(Debug, PartialEq)]
 pub enum Order {
     /// Each time is greater than the one before.
     Increasing,
-    /// They increase but for these rows, which can be left out.
+    /// They increase except at these rows, which can be left out.
     But(Vec<usize>),
-    /// The rows came in another order; all of them, sorted by time.
+    /// The rows are in another order; all of them, sorted by time.
     Sorted(Vec<usize>),
-    /// From that row on time runs through the same values again, or far from those before: another record, or a clock that was set.
+    /// From this row on, time repeats the same values or is far from the previous ones: another record, or a clock that was set.
     Restarts(usize),
 }
 
-/// Looks at the times; up to `few` rows may be left out.
+/// Examines the times; up to `few` rows may be left out.
 pub fn of(times: &[f64], few: usize) -> Order {
     if times.windows(2).all(|pair| pair[0] < pair[1]) {
         return Order::Increasing;
@@ -23,13 +23,13 @@ pub fn of(times: &[f64], few: usize) -> Order {
         return Order::But(odd);
     }
     let falls: Vec<usize> = (1..times.len()).filter(|&i| times[i] < times[i - 1]).collect();
-    // Rows shuffled one by one fall often; what falls seldom is made of runs, which must not overlap.
+    // Rows shuffled one by one have many falls; few falls mean runs, which must not overlap.
     if falls.len() <= few.max(1) && times.len() > 2 * falls.len() + 2 {
         let begins = [&[0], &falls[..]].concat();
         let ends = falls.iter().copied().chain([times.len()]);
         let mut runs: Vec<(usize, usize)> = begins.into_iter().zip(ends).collect();
         runs.sort_by(|a, b| times[a.0].total_cmp(&times[b.0]));
-        // Nor lie farther apart than they last: then they are no parts of one record.
+        // Nor be farther apart than their lengths: then they are not parts of one record.
         let are_apart = |pair: &&[(usize, usize)]| {
             let [a, b] = [pair[0], pair[1]].map(|(first, end)| [times[first], times[end - 1]]);
             let between = b[0] - a[1];
@@ -44,9 +44,9 @@ pub fn of(times: &[f64], few: usize) -> Order {
     Order::Sorted(rows)
 }
 
-/// The fewest rows without which times increase: all but those of a longest increasing subsequence (patience sorting).
+/// The smallest set of rows without which times increase: all but those of a longest increasing subsequence (patience sorting).
 fn odd_rows(times: &[f64]) -> Vec<usize> {
-    // For each length the row that ends such a subsequence at the earliest time, and for each row the one before it.
+    // For each length, the row that ends such a subsequence at the earliest time; for each row, its predecessor.
     let mut ends: Vec<usize> = Vec::new();
     let mut before = vec![usize::MAX; times.len()];
     for (row, time) in times.iter().enumerate() {
@@ -54,7 +54,7 @@ fn odd_rows(times: &[f64]) -> Vec<usize> {
         if place > 0 {
             before[row] = ends[place - 1];
         }
-        // Of two rows with one time the first stays.
+        // Of two rows with the same time, the first is kept.
         match ends.get_mut(place) {
             Some(end) if times[*end] == *time => {}
             Some(end) => *end = row,

@@ -1,4 +1,4 @@
-//! Reading a trace: the file's first lines tell how it is written, then each row is read where it stands.
+//! Reads a trace: detects the text format from the file's first lines, then reads row by row.
 
 use super::content::Content;
 use super::dialect::Dialect;
@@ -14,7 +14,7 @@ use crate::format::Format;
 use crate::layout::{Layout, Quantity};
 use std::path::Path;
 
-/// The least rows that are a record.
+/// Minimum number of rows of a record.
 const MIN_ROWS: usize = 3;
 
 impl Trace {
@@ -26,7 +26,7 @@ impl Trace {
         Self::read_content(path, &Content::File, reading)
     }
 
-    /// Reads a trace of which there may be a copy only.
+    /// Reads a trace from a file or a copy.
     pub(crate) fn read_content(path: &Path, content: &Content, reading: &Reading<'_>) -> Result<Self, Error> {
         with_lines(path, content, reading.layout, |lines| {
             let dialect = dialect(lines, reading.layout)?;
@@ -55,7 +55,7 @@ impl Trace {
     }
 }
 
-/// Opens the file and works on its lines; whatever stops that names the file.
+/// Opens the file and processes its lines; errors name the file.
 pub(super) fn with_lines<T>(
     path: &Path,
     content: &Content,
@@ -73,7 +73,7 @@ pub(super) fn with_lines<T>(
     })
 }
 
-/// How the file is written, from its first lines.
+/// Text format of the file, from its first lines.
 pub(super) fn dialect(lines: &mut Lines<'_>, layout: &Layout) -> Result<Dialect, Stop> {
     let wanted: Vec<&str> = layout.columns.iter().map(|column| column.name.as_str()).collect();
     if lines.head()?.is_empty() {
@@ -86,7 +86,7 @@ pub(super) fn dialect(lines: &mut Lines<'_>, layout: &Layout) -> Result<Dialect,
     Ok(Dialect::find(lines.head()?, &layout.format, &wanted))
 }
 
-/// The problem or, where a column is missing since the rig file states another decimal sign than the rows have, that.
+/// The problem or, if a column is missing because the rig file states a wrong decimal sign, that cause.
 fn with_cause(
     problem: TraceProblem,
     dialect: &Dialect,
@@ -118,7 +118,7 @@ fn read_rows(
     Ok(table)
 }
 
-/// Refuses Excel's days where seconds are expected: as such the record would be too short and too fast for any chamber.
+/// Refuses Excel's days where seconds are expected: as seconds the record would be too short and too fast for any chamber.
 fn no_excel_days(header: &Header<'_>, time_s: &[f64]) -> Result<(), TraceProblem> {
     let column = header.found[0].2;
     let is_seconds = column.unit == Quantity::Time.si_unit() && column.factor == 1.0 && column.offset == 0.0;

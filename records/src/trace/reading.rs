@@ -1,20 +1,20 @@
-//! How a trace is to be read: by which layout, for what, which part of it, and how many rows at most.
+//! Options for reading a trace: layout, purpose, time window, and row limit.
 
 use crate::layout::Layout;
 
-/// The most rows a trace may have.
+/// Row limit of a trace.
 pub const MAX_ROWS: usize = 20_000_000;
 
-/// What a trace is read for.
+/// Purpose of reading a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// A measurement: pressure, and every column that the rig maps.
+    /// A measurement: requires pressure and every column mapped by the rig.
     Measurement,
-    /// A motion to simulate along: time and position; the rest where it is there.
+    /// A motion to simulate: requires time and position; other columns are optional.
     Motion,
 }
 
-/// The part of a trace that counts. Rows outside are not looked at, but for their time.
+/// Time window of a trace. Rows outside are not checked, except for their time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// First time, s.
@@ -24,19 +24,19 @@ pub struct Window {
 }
 
 impl Window {
-    /// All of it.
+    /// The whole trace.
     pub const ALL: Window = Window { from_s: f64::NEG_INFINITY, to_s: f64::INFINITY };
 }
 
-/// How a trace is to be read.
+/// Options for reading a trace.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// Which column holds what, in which unit.
+    /// Quantity and unit of each column.
     pub layout: &'a Layout,
     /// The cylinder's stroke, m: a position beyond it is refused.
     pub stroke_m: Option<f64>,
-    /// The part that counts.
+    /// The time window.
     pub window: Window,
-    /// What the rows are for: which columns must be there.
+    /// Purpose, which decides the required columns.
     pub need: Need,
 }

@@ -1,4 +1,4 @@
-//! A record once it is read, and what can be asked of it.
+//! A record after reading.
 
 use super::keep::keep_rows;
 use super::left_out::{self, LeftOut};
@@ -6,7 +6,7 @@ use super::line_numbers::LineNumbers;
 use super::rest;
 use std::path::PathBuf;
 
-/// A record as it was measured (or a motion as it is planned). All vectors have the same length.
+/// A measured record or a planned motion. All vectors have the same length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// The file it was read from.
@@ -15,26 +15,26 @@ pub struct Trace {
     pub sha256: String,
     /// Time, s, as in the file.
     pub time_s: Vec<f64>,
-    /// What the sensor showed, Pa, absolute; absent in a planned motion.
+    /// Sensor reading, Pa, absolute; absent in a planned motion.
     pub pressure_pa: Option<Vec<f64>>,
     /// Distance of the piston face from the chamber's end, m.
     pub position_m: Vec<f64>,
-    /// Temperature of the surroundings, K, where it was recorded.
+    /// Temperature of the surroundings, K, if recorded.
     pub ambient_temperature_k: Option<Vec<f64>>,
-    /// Temperature that a sensor in the gas showed, K, where there was one.
+    /// Reading of a temperature sensor in the gas, K, if there was one.
     pub gas_temperature_k: Option<Vec<f64>>,
     /// Mass flow into the chamber, kg/s, negative out of it.
     pub mass_flow_kg_per_s: Option<Vec<f64>>,
     /// Lines of the rows in the file.
     pub lines: LineNumbers,
-    /// Rows of the file that could not be used, by line; at most one in fifty.
+    /// Unusable rows of the file, by line; at most one in fifty.
     pub left_out: Vec<LeftOut>,
-    /// Whether the file's rows came in another order than that of time.
+    /// Whether the file's rows had to be sorted by time.
     pub sorted: bool,
 }
 
 impl Trace {
-    /// Keeps the rows for which it says so, in every column.
+    /// Keeps the rows that are `true` in `keep`, in every column.
     pub fn retain(&mut self, keep: &[bool]) {
         let Self { pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s, .. } = self;
         let columns = [pressure_pa, ambient_temperature_k, gas_temperature_k, mass_flow_kg_per_s].into_iter().flatten();
@@ -42,7 +42,7 @@ impl Trace {
         self.lines.retain(keep);
     }
 
-    /// What was done to the file's rows to make them a record, in sentences; none where they are as the file has them.
+    /// Changes made to the file's rows, in sentences; empty if there were none.
     pub fn notes(&self) -> Vec<String> {
         let sorted = self.sorted.then(|| "the rows are not in the order of time and were sorted".to_owned());
         let path = self.path.display();
@@ -54,13 +54,12 @@ impl Trace {
         self.time_s.len()
     }
 
-    /// Whether there are no rows: never so for a trace that was read.
+    /// Whether there are no rows: never the case for a trace that was read.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }
 
-    /// Number of rows from the first on over which the piston has not yet moved: all of them where it never moves, 1
-    /// where it moves from the first row on.
+    /// Number of leading rows before the piston moves: all if it never moves, 1 if it moves from the first row on.
     pub fn rows_at_rest(&self) -> usize {
         rest::rows_at_rest(&self.position_m)
     }

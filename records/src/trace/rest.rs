@@ -1,20 +1,20 @@
-//! The rest before the first movement, told from a measured position's own noise.
+//! Finds the rest before the first movement, separated from it by the position's own noise.
 
 use crate::statistics::{extremes, median, turned_back, white_noise};
 
-/// Movements below this share of the whole travel are not told from rest.
+/// Movements below this fraction of the travel count as rest.
 const SHARE_OF_TRAVEL: f64 = 1e-3;
-/// So many standard deviations of the position's noise are movement.
+/// Movement threshold in standard deviations of the position's noise.
 const DEVIATIONS: f64 = 6.0;
-/// What seems to be noise beyond this share of the travel may be the bends of a motion with few rows: it is, ...
+/// Apparent noise above this fraction of the travel may be the bends of a motion with few rows: it is, ...
 const MOST_NOISE: f64 = 0.005;
-/// ...where no more than this share of the changes take back the one before. Noise does so with two of three.
+/// ...if at most this fraction of the changes reverse the previous one. With noise two of three do.
 const TURNED_BACK: f64 = 0.35;
 
-/// Number of rows from the first on before the piston moves, at least 1.
+/// Number of leading rows before the piston moves, at least 1.
 ///
-/// The first half of the way to a clear movement (a tenth of the travel) is taken to be rest or nearly so: its median
-/// is the place.
+/// The first half of the rows before a clear movement (a tenth of the travel) is assumed to be near rest: its median is the rest
+/// position.
 pub fn rows_at_rest(position_m: &[f64]) -> usize {
     let (travel, threshold) = (travel(position_m), movement_threshold(position_m));
     if position_m.is_empty() || travel <= 2.0 * threshold {
@@ -23,11 +23,11 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
     let clear = position_m.iter().position(|x| (x - position_m[0]).abs() > 0.1 * travel).unwrap_or(position_m.len());
     let place = median(position_m[..clear.div_ceil(2)].to_vec());
     let moved = position_m.iter().position(|x| (x - place).abs() > threshold).unwrap_or(position_m.len());
-    // A piston that crosses the threshold in one row set out in the row before.
+    // A piston that crosses the threshold within one row started in the row before.
     moved.saturating_sub(1).max(1)
 }
 
-/// What is a movement rather than a position's noise, m.
+/// Threshold between position noise and movement, m.
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
     let travel = travel(position_m);
     let noise = white_noise(position_m);
@@ -45,7 +45,7 @@ fn travel(position_m: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A ramp from 0.1 to 0.05 m between rows 50 and 54, with noise of some micrometres.
+    /// A ramp from 0.1 to 0.05 m between rows 50 and 54, with noise of amplitude `noise_m`, m.
     fn push(noise_m: f64) -> Vec<f64> {
         let ideal = |k: usize| 0.1 - 0.0125 * (k.clamp(50, 54) - 50) as f64;
         (0..500).map(|k| ideal(k) + noise_m * ((k * 7919 % 101) as f64 / 50.0 - 1.0)).collect()

@@ -1,4 +1,4 @@
-//! The rows of a trace: each line split, read and checked; what cannot be used left out and named.
+//! The rows of a trace: each line is split, read and checked; unusable ones are left out and named.
 
 use super::clock::Clock;
 use super::dialect::Dialect;
@@ -17,11 +17,11 @@ use crate::limits;
 use crate::statistics::{extremes, median};
 use std::ops::Range;
 
-/// What a gas in a cylinder can have, K.
+/// Plausible temperatures of a gas in a cylinder, K.
 const GAS_TEMPERATURE_K: std::ops::RangeInclusive<f64> = 20.0..=5000.0;
-/// How far a measured position may be beyond an end, as a share of the stroke (or, unknown, of the travel): noise.
+/// How far noise may take a position beyond an end, as a fraction of the stroke (or, if unknown, of the travel).
 const POSITION_SLACK: f64 = 0.01;
-/// Positions further from the sensor's zero are millimetres or inches taken for metres, where no longer stroke is stated: rodless
+/// Positions further from the sensor's zero are millimetres or inches read as metres, unless a longer stroke is stated: rodless
 /// cylinders end at about ten metres.
 const LONGEST_STROKE_M: f64 = 20.0;
 
@@ -30,26 +30,26 @@ pub struct Rows<'a> {
     dialect: &'a Dialect,
     header: &'a Header<'a>,
     reading: &'a Reading<'a>,
-    /// One for each column found, time first.
+    /// One per column found, time first.
     columns: Vec<Vec<f64>>,
     lines: LineNumbers,
     bad: BadRows,
-    /// All rows that were looked at, within the window or not, and their earliest and latest time, s.
+    /// Number of all rows read, inside the window or not, and their earliest and latest time, s.
     seen: usize,
     extent_s: [f64; 2],
     clock: Option<Clock>,
     fields: Vec<Range<usize>>,
 }
 
-/// What a file's rows come to.
+/// Rows read from a file.
 pub struct ReadRows {
-    /// One for each column found, time first, in the order of time.
+    /// One per column found, time first, sorted by time.
     pub columns: Vec<Vec<f64>>,
     /// The lines of its rows in the file.
     pub lines: LineNumbers,
-    /// The rows that are no part of it.
+    /// The rows left out.
     pub left_out: Vec<LeftOut>,
-    /// Whether the rows came in another order.
+    /// Whether the rows had to be sorted.
     pub sorted: bool,
 }
 
@@ -69,7 +69,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Takes a line.
+    /// Processes a line.
     pub fn take(&mut self, line: usize, text: &str) -> Result<(), TraceProblem> {
         self.seen += 1;
         if self.seen > MAX_ROWS {
@@ -126,7 +126,7 @@ impl<'a> Rows<'a> {
         self.lines.of(row).unwrap_or(0)
     }
 
-    /// How many rows were looked at.
+    /// Number of rows read.
     pub fn seen(&self) -> usize {
         self.seen
     }
@@ -136,7 +136,7 @@ impl<'a> Rows<'a> {
         self.extent_s
     }
 
-    /// The table, once all lines are taken.
+    /// The table, after all lines are processed.
     pub fn finish(mut self) -> Result<ReadRows, TraceProblem> {
         let all = self.columns[0].len() + self.bad.len();
         self.settle_empty_cells();
@@ -173,7 +173,7 @@ impl<'a> Rows<'a> {
         Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, lines: self.lines, sorted })
     }
 
-    /// Fills the columns that have a value at every k-th row only; other rows with an empty cell are left out.
+    /// Fills columns with a value at every k-th row only; leaves out other rows with an empty cell.
     fn settle_empty_cells(&mut self) {
         self.columns.iter_mut().for_each(|column| slow_column::fill(column));
         for place in 1..self.columns.len() {
@@ -185,7 +185,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Positions below zero, but for a sensor's noise at the end.
+    /// Leaves out positions below zero, except for sensor noise at the end.
     fn leave_out_negative_positions(&mut self) {
         let Some(place) = self.header.place(Quantity::Position) else { return };
         let (column, values) = (self.header.found[place].2, &self.columns[place]);
@@ -211,7 +211,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Many rows of one time each: the logger, or who exported the file, has rounded the times.
+/// An error for many rows with the same time: the logger or the export has rounded the times.
 fn coarse(column: &Column, sorted_times: &[f64], repeats: usize) -> TraceProblem {
     let steps: Vec<f64> = sorted_times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     let (column, rows) = (column.name.clone(), sorted_times.len());
@@ -230,7 +230,7 @@ fn out_of_order(column: &Column, times: &[f64], row: usize) -> RowProblem {
     }
 }
 
-/// A time in seconds: a number, or a moment where the file's first is one.
+/// A time in seconds: a number, or a moment if the file's first one is.
 fn time(clock: &mut Option<Clock>, column: &Column, text: &str, decimal: Decimal) -> Result<f64, RowProblem> {
     if clock.is_none() && (column.is_clock() || number(text, decimal).is_none()) {
         *clock = Clock::beginning_with(text);
@@ -269,7 +269,7 @@ fn finite(column: &Column, text: &str, decimal: Decimal) -> Result<f64, RowProbl
     }
 }
 
-/// Refuses values that cannot be.
+/// Refuses impossible values.
 #[inline]
 fn check(quantity: Quantity, value: f64, column: &Column, stroke_m: Option<f64>) -> Result<(), RowProblem> {
     let name = || column.name.clone();

@@ -1,4 +1,4 @@
-//! The first rows of a trace file, before it is known what its columns hold.
+//! The first rows of a trace file, before its columns are identified.
 
 use super::clock;
 use super::content::Content;
@@ -12,17 +12,17 @@ use crate::layout::{Layout, Quantity};
 use crate::names::nearest;
 use std::path::Path;
 
-/// What the columns of a file's first rows hold.
+/// Contents of the columns in a file's first rows.
 #[derive(Clone, Debug, Default)]
 pub struct Sample {
-    /// The numbers of each column; what is none, or a mark of no reading, is left out.
+    /// The numbers of each column, without other text and marks of missing readings.
     pub numbers: Vec<Vec<f64>>,
     /// Whether a column holds clock times or dates.
     pub moments: Vec<bool>,
 }
 
 impl Sample {
-    /// Of the file's first lines.
+    /// Reads a file's first lines.
     pub fn of<'l>(dialect: &Dialect, head: impl IntoIterator<Item = &'l Line>) -> Self {
         let count = dialect.names.len();
         let (mut numbers, mut moments) = (vec![Vec::new(); count], vec![0_usize; count]);
@@ -46,7 +46,7 @@ impl Sample {
     }
 }
 
-/// The column whose name is most like that of a quantity, which is not there, and the name that was wanted.
+/// The column with the name nearest to that of a missing quantity, and the name wanted.
 pub fn near_column(path: &Path, layout: &Layout, quantity: Quantity) -> Option<(String, String)> {
     let (dialect, _, _) = sample(path, &Content::File, layout).ok()?;
     let wanted = &layout.column(quantity).name;
@@ -55,10 +55,10 @@ pub fn near_column(path: &Path, layout: &Layout, quantity: Quantity) -> Option<(
     Some((nearest(wanted, free)?.to_owned(), wanted.clone()))
 }
 
-/// How a file is written, and its first rows.
+/// A file's text format and its first rows.
 ///
 /// # Errors
-/// A file that cannot be read or is no text.
+/// An unreadable file, or one that is not text.
 pub fn sample(path: &Path, content: &Content, layout: &Layout) -> Result<(Dialect, Encoding, Sample), Error> {
     with_lines(path, content, layout, |lines| {
         let dialect = dialect(lines, layout)?;

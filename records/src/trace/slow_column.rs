@@ -1,12 +1,12 @@
-//! A column that has a value at every k-th row only, since it is sampled more slowly than the others: straight lines join the
-//! values, as other loggers write such a column themselves.
+//! A column with a value at every k-th row only, because it is sampled more slowly than the others: linear interpolation, as
+//! other loggers do themselves.
 
 use crate::fill::fill_between;
 
-/// Stands for an empty cell until all rows are read.
+/// Marks an empty cell until all rows are read.
 pub const EMPTY: f64 = f64::NAN;
 
-/// Fills the empty cells if they are all but every k-th.
+/// Fills the empty cells if exactly every k-th row has a value.
 pub fn fill(column: &mut [f64]) {
     let given: Vec<usize> = (0..column.len()).filter(|row| !column[*row].is_nan()).collect();
     let [first, second, .., last] = given[..] else { return };

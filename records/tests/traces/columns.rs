@@ -1,4 +1,4 @@
-//! Columns: which one is meant, and a sentence where none or more than one may be.
+//! Columns: which one is meant, and an error if none or several match.
 
 use crate::{Bench, GOOD, assert_says, table};
 use records::Need;

@@ -1,4 +1,4 @@
-//! Files that hold no record, or any bytes at all: a trace or a sentence.
+//! Files without a record, or with arbitrary bytes: a trace or an error.
 
 use crate::{Bench, GOOD, assert_says, table};
 use records::{Need, Reading, Trace, Window};
@@ -62,7 +62,7 @@ fn files_that_cannot_be_read_are_named_with_the_reason() {
     assert_says(&message, &["it is a folder"]);
 }
 
-/// Whatever bytes a file has, reading ends with a trace or a sentence.
+/// For arbitrary bytes, reading ends with a trace or an error.
 mod any_bytes {
     use crate::Bench;
     use proptest::prelude::*;

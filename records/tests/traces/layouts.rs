@@ -1,4 +1,4 @@
-//! Files of every layout are read as they are: separators, headers, comments, encodings, decimal commas.
+//! Files of every layout are read without conversion: separators, headers, comments, encodings, decimal commas.
 
 use crate::{Bench, GOOD, assert_says, table};
 
@@ -57,7 +57,7 @@ fn a_wrong_decimal_sign_is_named() {
     let says = ["line 2, column `Zeit`", "for decimal points say decimal = \".\" in the rig's [format]"];
     assert_says(&stated("decimal = \",\"").refusal(points), &says);
     assert_eq!(stated("decimal = \",\"").read(&text).unwrap().len(), 4);
-    // A column that is not there under any sign is the cause itself.
+    // A column missing with either decimal sign is the cause itself.
     let message = stated("decimal = \".\"").refusal(text.replace("Zeit", "t"));
     assert_says(&message, &["there is no column `Zeit`"]);
 }

@@ -1,10 +1,10 @@
-//! Traces: what is read as it is, and what is refused, with file, line, column and value in the message.
+//! Traces: what is read unchanged, and what is refused, with file, line, column and value in the message.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `layouts`, `columns`, `units` | how a file is written, which column is which, what its numbers are in |
-//! | `values`, `rows` | numbers that cannot be; rows that are bad, out of order or outside the window |
-//! | `files` | what is no record |
+//! | `layouts`, `columns`, `units` | text format, assignment of columns, units of their numbers |
+//! | `values`, `rows` | impossible numbers; rows that are bad, out of order or outside the window |
+//! | `files` | files without a record |
 
 mod columns;
 mod files;
@@ -32,7 +32,7 @@ impl Bench {
         Self::with_rig("")
     }
 
-    /// A bench whose rig file has this beside its cylinder and ambient.
+    /// A bench whose rig file has this text besides its cylinder and ambient.
     fn with_rig(more: &str) -> Self {
         let document = Document::parse(Path::new("rig.toml"), format!("{RIG}{more}")).unwrap();
         let layout = RigFile::from_document(&document).unwrap().layout;
@@ -49,7 +49,7 @@ impl Bench {
         Trace::read(&self.path(), &Reading { layout, stroke_m: *stroke_m, window: *window, need: *need })
     }
 
-    /// The refusal, without the folder's name before the file's.
+    /// The error message, without the folder before the file's name.
     fn refusal(&self, content: impl AsRef<[u8]>) -> String {
         let message = self.read(content).expect_err("should be refused").to_string();
         assert!(!message.contains('\n'), "a sentence has one line: {message}");

@@ -1,4 +1,4 @@
-//! Rows: single bad ones are left out and named, times are in order, a window keeps its own.
+//! Rows: single bad ones are left out and named, times are ordered, a window keeps only its rows.
 
 use crate::{Bench, GOOD, assert_says, table};
 use records::Window;

@@ -1,4 +1,4 @@
-//! Units, scales and signs: values come out in SI units, and what contradicts the rig is refused.
+//! Units, scales and signs: values come out in SI units, and contradictions to the rig are refused.
 
 use crate::{Bench, assert_says};
 
@@ -100,15 +100,15 @@ fn a_unit_in_a_column_s_name_that_contradicts_the_rig_is_refused() {
         let but = format!("but {unit}");
         assert_says(&message, &[&format!("line 1, column `{name}`"), "unit is psi by its name", &but, "\"psi\""]);
         assert_says(&message, &["name = \"column 2\""]);
-        // Right, by its number, and with a scale that makes the one of the other.
+        // Accepted: the right unit, the column's number, or a scale that converts one unit to the other.
         for right in ["unit = \"psi\"", "unit = \"bar\", scale = 0.0689476"] {
             assert!(bench(&format!("name = \"{name}\", {right}")).read(&text).is_ok(), "{name}: {right}");
         }
         assert!(bench("name = \"column 2\", unit = \"bar\"").read(&text).is_ok());
     }
-    // What the rig file states counts more than the end of a name.
+    // The rig file takes precedence over the end of a name.
     assert!(bench("name = \"p_psi\", unit = \"bar\"").read(format!("t,p_psi,x\n{rows}")).is_ok());
-    // No unit, whatever it looks like.
+    // Not a unit, although it looks like one.
     assert!(bench("name = \"p_atm\", unit = \"bar\"").read(format!("t,p_atm,x\n{rows}")).is_ok());
 }
 
@@ -143,6 +143,6 @@ fn a_gauge_unit_in_a_file_that_the_rig_declares_absolute_is_refused_and_the_reve
         assert_says(&message, &["line 1", &format!("the pressure is {right} here (`{unit}`)"), "write reference"]);
         assert!(read(unit, &format!(", reference = \"{right}\"")).is_ok());
     }
-    // The offset may be that of the surroundings.
+    // The offset may be the ambient pressure.
     assert!(read("barg", ", offset = 1.013").is_ok());
 }

@@ -1,4 +1,4 @@
-//! Values that cannot be: refused where they stand, with the remedy.
+//! Impossible values: refused with their location and the remedy.
 
 use crate::{Bench, GOOD, assert_says, table};
 

@@ -81,7 +81,7 @@ pub struct Args {
     progress: Telling,
 }
 
-/// Carries out the study.
+/// Runs the study.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let threads = args.jobs.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("the threads cannot be started")?;
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let solver = SOLVERS.iter().find(|(name, _)| Some(*name) == args.solver.as_deref()).map(|(_, solver)| *solver);
     let study = Study::read_with(path, Overrides { solver, tolerance: args.tolerance })?;
-    // What cannot be is said before any work.
+    // Report impossible requests before any work.
     let traces = args.traces.as_ref().filter(|_| args.shard.index == 0);
     if let Some(rows) = traces {
         traces::check(&study, rows, args.trace_rate)?;
@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-/// What a dry run says of a study.
+/// A dry run's summary of a study.
 fn promised(study: &Study, args: &Args, estimate: &Estimate, threads: usize) -> String {
     let size = match args.no_rows {
         true => "size       statistics only, no rows\n".to_owned(),
@@ -146,12 +146,12 @@ fn promised(study: &Study, args: &Args, estimate: &Estimate, threads: usize) -> 
     estimate_summary(study, args.shard, estimate, threads) + &size
 }
 
-/// Tells what in the study's file has no effect.
+/// Reports ineffective settings in the study file.
 fn tell(notes: &[String], path: &Path) {
     notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
 }
 
-/// Tells where rows that are still to be written, which take so many bytes, find no room.
+/// Warns if there is not enough space for the rows still to be written; `bytes` is the size for a number of rows.
 fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, bytes: impl Fn(u64) -> u64) {
     let Some(free) = store.free().filter(|free| !args.no_rows && bytes(rows_of(study, args.shard)) > *free) else {
         return;

@@ -1,4 +1,4 @@
-//! What a shard has of a study.
+//! Parts and rows of a shard.
 
 use sweep::{Shard, Study};
 

@@ -1,4 +1,4 @@
-//! What `pneutherm sweep` prints of a study: before it runs, and of what it has done.
+//! Output of `pneutherm sweep`: about a study before it runs, and about the work done.
 
 use super::of_shard::{parts_of, rows_of};
 use crate::output;
@@ -14,7 +14,7 @@ pub fn counted(parts: u64) -> String {
     if parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") }
 }
 
-/// How many rows a study has, and how long they take.
+/// Number of rows and estimated time of a study.
 pub fn estimate_summary(study: &Study, shard: Shard, estimate: &Estimate, threads: usize) -> String {
     let (rows, parts) = (rows_of(study, shard), parts_of(study, shard).count() as u64);
     let seconds = estimate.seconds(rows, parts);
@@ -32,13 +32,13 @@ pub fn estimate_summary(study: &Study, shard: Shard, estimate: &Estimate, thread
     text
 }
 
-/// How large they are.
+/// Size of a study.
 pub fn size_summary(study: &Study, shard: Shard, estimate: &Estimate) -> String {
     let bytes = estimate.bytes(rows_of(study, shard));
     format!("size       {} ({:.0} bytes/row)\n", indicatif::BinaryBytes(bytes as u64), estimate.bytes_per_row)
 }
 
-/// What a shard has done, and whether that ends the study.
+/// The work done by a shard, and whether the study is complete.
 pub fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elapsed: Duration) -> String {
     let mut text = String::new();
     if parts_of(study, shard).next().is_none() {
@@ -83,7 +83,7 @@ pub fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elap
     text
 }
 
-/// What was taken from a smaller study.
+/// The rows taken from a smaller study.
 pub fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
     let mut text = format!("{} rows taken from {}\n", report.rows_taken, earlier.folder().display());
     if earlier.damaged > 0 {
@@ -92,7 +92,7 @@ pub fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
     text
 }
 
-/// Which rows have a trace.
+/// Rows with a trace, and those without.
 pub fn traces_summary(report: &traces::Report) -> String {
     let mut text = format!("{}: {} samples of {} rows\n", file_names::TRACES_PLACE, report.samples, report.rows);
     for (row, reason) in &report.without {

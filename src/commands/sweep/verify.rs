@@ -1,4 +1,4 @@
-//! `pneutherm sweep --verify`: a folder against its manifest.
+//! `pneutherm sweep --verify`: compares a folder with its manifest.
 
 use super::summaries::counted;
 use crate::{output, stores};
@@ -8,7 +8,7 @@ use std::path::Path;
 use sweep::file_names;
 use sweep::folder::verify::Report;
 
-/// Parts that are told by name when a folder does not hold what its manifest says.
+/// Number of parts named when a folder does not match its manifest.
 const NAMED: usize = 5;
 
 pub fn verify(folder: &Path) -> anyhow::Result<()> {
@@ -27,13 +27,13 @@ pub fn verify(folder: &Path) -> anyhow::Result<()> {
     }
 }
 
-/// What does not agree with the manifest, if anything.
+/// Differences from the manifest, if any.
 fn differences(report: &Report) -> Option<String> {
     let said: Vec<String> = [of_parts(report), of_results(report), of_traces(report)].into_iter().flatten().collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
 
-/// The same of the parts, the first of them by name.
+/// Differences of the parts, the first of them by name.
 fn of_parts(Report { parts, wrong, .. }: &Report) -> Option<String> {
     let named = wrong.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
     let more = match wrong.len().saturating_sub(NAMED) {
@@ -44,19 +44,19 @@ fn of_parts(Report { parts, wrong, .. }: &Report) -> Option<String> {
     (!wrong.is_empty()).then(said)
 }
 
-/// The same of the statistics, the sensitivity indices and the traces.
+/// Differences of the statistics, the sensitivity indices and the traces.
 fn of_results(Report { wrong_results, .. }: &Report) -> Option<String> {
     let said = || format!("results do not agree with manifest.json: {}", wrong_results.join("; "));
     (!wrong_results.is_empty()).then(said)
 }
 
-/// How wrong traces are made anew, which the study does not name.
+/// How to rewrite wrong traces, which the study does not request itself.
 fn of_traces(Report { wrong_results, .. }: &Report) -> Option<String> {
     let are_wrong = wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PLACE));
     are_wrong.then(|| "traces are written again with --traces".to_owned())
 }
 
-/// What was read and agrees.
+/// Summary of what was verified.
 fn verified_summary(folder: &Path, report: &Report) -> String {
     let Report { rows, parts, bytes, results, not_covered, .. } = report;
     let (parts, bytes) = (counted(*parts as u64), indicatif::BinaryBytes(*bytes));

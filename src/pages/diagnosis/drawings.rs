@@ -1,4 +1,4 @@
-//! The charts of a diagnosis: every record with its repeats, the push, the position, the residual in every view.
+//! The charts of a diagnosis: every record with its repeats, the push, the position, and views of the residual.
 
 use super::spectrum;
 use identify::Diagnosed;
@@ -12,9 +12,9 @@ use report::document::Drawing;
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 
 const SIZE: (u32, u32) = (440, 310);
-/// Of which the position below the pressure has so much.
+/// Height of the position chart below the pressure.
 const POSITION_HEIGHT: u32 = 125;
-/// Shown around a push: this share of its length before it, and this many lengths after it.
+/// Range shown around a push: this fraction of its length before it, and this multiple after its end.
 const AROUND_PUSH: [f64; 2] = [0.4, 1.6];
 
 type Points = Vec<(f64, f64)>;
@@ -23,7 +23,7 @@ fn drawn(chart: &Chart<'_>) -> Result<Drawing, Error> {
     Ok(Drawing { svg: chart.draw()?, caption: String::new() })
 }
 
-/// Whether a model with more than the paper's was found.
+/// Whether a model beyond the paper's was found.
 fn has_after(found: &Diagnosed) -> bool {
     found.diagnosis.steps.len() > 1
 }
@@ -32,7 +32,7 @@ fn line(points: Points, colour: Colour, label: &'static str, width: f64) -> Seri
     Series { points, colour, label, mark: Mark::Line(width) }
 }
 
-/// Rows of a record that are data, as points.
+/// Data rows of a record, as points.
 fn rows(t: &Prepared, value: impl Fn(usize) -> f64) -> Points {
     (0..t.time_s.len()).filter(|&i| t.readout.is_data(i)).map(|i| (t.time_s[i], value(i))).collect()
 }
@@ -50,26 +50,26 @@ pub fn experiment(found: &Diagnosed, number: usize) -> Result<Vec<Drawing>, Erro
     lines.drawn(name, found.diagnosis.noise_pa)
 }
 
-/// What is drawn of an experiment's records, before and after the diagnosis.
+/// Lines drawn for an experiment's records, before and after the diagnosis.
 #[derive(Default)]
 struct Lines {
     pressure: Vec<Series<'static>>,
     position: Vec<Series<'static>>,
-    /// The pressure around the push, on the first record's clock.
+    /// The pressure around the push, on the clock of the first record.
     push: Vec<Series<'static>>,
-    /// From when to when that is, s; none where no record has a push.
+    /// Start and end of that range, s; `None` if no record has a push.
     window: Option<(f64, f64)>,
     residual_before: Vec<Series<'static>>,
     residual_after: Vec<Series<'static>>,
 }
 
 impl Lines {
-    /// Adds a record; the first one's lines are those in the legend.
+    /// Adds a record; only the first one's lines have legend entries.
     fn add(&mut self, found: &Diagnosed, k: usize, is_first: bool) {
         let t = &found.data.traces[k];
         let label = |label: &'static str| if is_first { label } else { "" };
         let of_model = |residuals: &[f64]| rows(t, |i| (t.pressure_pa[i] - residuals[i]) * 1e-5);
-        // Repeats do not begin at the same moment.
+        // Repeats do not start at the same moment.
         let shift = match (self.window, push_window(t)) {
             (Some(first), Some(this)) => this.0 - first.0,
             _ => 0.0,
@@ -139,14 +139,14 @@ impl Lines {
     }
 }
 
-/// From when to when a record's first push is shown, s.
+/// Start and end of the range shown around a record's first push, s.
 fn push_window(t: &Prepared) -> Option<(f64, f64)> {
     let push = t.course.motion.segments.iter().find(|s| s.phase == Phase::Move)?;
     let length = push.to_s - push.from_s;
     Some((push.from_s - AROUND_PUSH[0] * length, push.to_s + AROUND_PUSH[1] * length))
 }
 
-/// The residual against what the gas does, and its spectrum.
+/// The residual as a function of gas variables, and its spectrum.
 pub fn residuals(found: &Diagnosed) -> Result<Vec<Drawing>, Error> {
     let mut charts = vec![spectrum_chart(found)];
     let named: Vec<(Variable, String)> = [
@@ -181,7 +181,7 @@ pub fn residuals(found: &Diagnosed) -> Result<Vec<Drawing>, Error> {
     charts.iter().map(drawn).collect()
 }
 
-/// The unit that a chart shows for an SI unit, and its number for one of that.
+/// The display unit for an SI unit in charts, and its factor.
 fn shown(si: &'static str) -> (&'static str, f64) {
     match si {
         "Pa" => ("bar", 1e-5),
@@ -257,7 +257,7 @@ fn spectrum_chart(found: &Diagnosed) -> Chart<'static> {
     }
 }
 
-/// A missing term as a curve, with two standard deviations either way.
+/// A missing term as a curve, with a band of ±2 standard deviations.
 pub fn missing(m: &Unnamed, caption: String) -> Result<Drawing, Error> {
     let known = m.value.iter().zip(&m.sd);
     let term = Term {
@@ -285,7 +285,7 @@ pub fn empirical(e: &Empirical, caption: String) -> Result<Drawing, Error> {
     term.drawn(caption)
 }
 
-/// A term over what it follows; names with their SI units.
+/// A term over its variable; names with their SI units.
 struct Term<'a> {
     title: String,
     x: (&'static str, &'static str),
@@ -298,11 +298,11 @@ struct Term<'a> {
 impl Term<'_> {
     fn drawn(&self, caption: String) -> Result<Drawing, Error> {
         let (x_unit, along) = shown(self.x.1);
-        // A missing part of a reading is small: pascals suit it.
+        // An error of the reading is small, so pascals are suitable.
         let (y_unit, up) = if self.y.1 == "Pa" { ("Pa", 1.0) } else { shown(self.y.1) };
         let ends = self.at.iter().zip(&self.band).flat_map(|(at, ends)| ends.map(|end| (along * at, up * end)));
         let curve: Points = self.at.iter().zip(self.values).map(|(at, value)| (along * at, up * value)).collect();
-        // No longer than the axis, and without the unit of a plain number.
+        // Shortened to fit the axis, and without a unit if dimensionless.
         let name =
             self.y.0.replace("heat transfer coefficient", "coefficient λ").replace("pressure reading", "reading");
         let y = if y_unit == "1" { name } else { format!("{name}, {y_unit}") };

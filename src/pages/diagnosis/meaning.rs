@@ -1,4 +1,4 @@
-//! What a curve that was read off the data looks like, in one sentence. A hint for people, no verdict.
+//! Interprets a curve read off the data, in one sentence: a hint for people, not a verdict.
 
 use chamber::effects::empirical::Term;
 use identify::discrepancy::Variable;
@@ -6,12 +6,12 @@ use identify::outcome::read_off::Empirical;
 use identify::outcome::unnamed::{Subject, Unnamed};
 use report::digits;
 
-/// A missing term as a curve, and how well it is known.
+/// A missing term as a curve, with its uncertainty.
 pub struct Curve<'a> {
     subject: Subject,
     /// Values of the variable.
     at: &'a [f64],
-    /// The term there.
+    /// Values of the term there.
     value: &'a [f64],
     /// Its standard deviation there.
     sd: Vec<f64>,
@@ -30,7 +30,7 @@ impl<'a> From<&'a Empirical> for Curve<'a> {
     }
 }
 
-/// What the curve of a missing term points to; empty where it says nothing in particular.
+/// What the curve of a missing term suggests; empty if nothing in particular.
 pub fn sentence<'a>(curve: impl Into<Curve<'a>>, ambient_pa: f64) -> String {
     let curve: Curve<'_> = curve.into();
     let grows = curve.slope() > 0.0;
@@ -83,7 +83,7 @@ pub fn sentence<'a>(curve: impl Into<Curve<'a>>, ambient_pa: f64) -> String {
     }
 }
 
-/// A missing flow over pressure: where it is zero says where the gas goes.
+/// A missing flow over pressure: its zero suggests where the gas goes.
 fn flow(curve: &Curve<'_>, ambient_pa: f64) -> String {
     let bar = |pa: f64| format!("{} bar", digits(pa * 1e-5, 3));
     match curve.zero() {
@@ -108,7 +108,7 @@ fn flow(curve: &Curve<'_>, ambient_pa: f64) -> String {
 }
 
 impl Curve<'_> {
-    /// Slope of the straight line through the curve, each point weighted by its uncertainty.
+    /// Slope of the weighted straight line through the curve, each point weighted by its uncertainty.
     fn slope(&self) -> f64 {
         let weights: Vec<f64> = self.sd.iter().map(|sd| 1.0 / sd.max(f64::MIN_POSITIVE).powi(2)).collect();
         let sum: f64 = weights.iter().sum();
@@ -132,7 +132,7 @@ impl Curve<'_> {
         self.value.iter().zip(&self.sd).all(|(v, sd)| *v < 2.0 * sd)
     }
 
-    /// Where it crosses zero, once.
+    /// Its zero crossing, if there is exactly one.
     fn zero(&self) -> Option<f64> {
         let mut crossings = self.at.windows(2).zip(self.value.windows(2)).filter(|(_, v)| v[0] * v[1] < 0.0);
         let (at, v) = crossings.next()?;

@@ -1,4 +1,4 @@
-//! The page that `diagnose --report` writes: for a person who decides, in words and units that engineers use.
+//! The page written by `diagnose --report`, for decision makers, in an engineer's words and units.
 
 mod drawings;
 mod meaning;
@@ -19,13 +19,13 @@ use report::Error;
 use report::document::{Block, Section, Table};
 use report::{digits, page};
 
-/// Rows of the evidence that the page shows.
+/// Number of evidence rows shown on the page.
 const SHOWN: usize = 16;
 
-/// What a diagnosis found, as one self-contained HTML page with its drawings.
+/// The result of a diagnosis as one self-contained HTML page with drawings.
 ///
 /// # Errors
-/// A drawing that failed.
+/// If a drawing fails.
 pub fn html(rig: &records::Rig, found: &Diagnosed) -> Result<String, Error> {
     let d = &found.diagnosis;
     let mut sections = vec![verdict(d), parameters(d), recording(d)];
@@ -59,7 +59,7 @@ fn effect_names(names: &[&str]) -> String {
     listed(&names.iter().map(|n| format!("**{}**", spaced(n))).collect::<Vec<_>>())
 }
 
-/// The terms of a model, and in brackets what its effects are.
+/// The terms of a model, with descriptions of its effects in brackets.
 fn terms(d: &Diagnosis) -> String {
     let term = |term: &str| match term.split_once(" (") {
         Some((name, whose)) => format!("**{}** ({whose}", spaced(name)),
@@ -103,7 +103,7 @@ fn verdict(d: &Diagnosis) -> Section {
     section
 }
 
-/// The verdict and what it means here.
+/// The verdict and its meaning in this case.
 fn verdict_text(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::Adequate => format!(
@@ -143,7 +143,7 @@ fn verdict_text(d: &Diagnosis) -> String {
     }
 }
 
-/// The error of the paper's model, of each step after it, and the noise.
+/// The errors of the paper's model and of each step after it, and the noise.
 fn errors(d: &Diagnosis) -> Table {
     let is_weighed = d.is_error_of_moves();
     let mut head = vec!["model", "error on fitted data", "error on left-out data"];
@@ -173,7 +173,7 @@ fn interval(q: &Quantity, e: &Estimate) -> String {
 fn parameters(d: &Diagnosis) -> Section {
     let mut section = Section::new("Parameters");
     let mut table = Table::new(&["quantity", "before", "after", "95 % interval (after)"]);
-    // The values of a curve are drawn in a section of their own.
+    // The values of a curve are drawn in a separate section.
     for (name, e) in d.after.parameters.iter().filter(|(name, _)| !name.starts_with("empirical.values")) {
         let q = Quantity::of(name, &e.unit, e.value);
         let before = d.before.parameters.iter().find(|(n, _)| n == name);
@@ -232,7 +232,7 @@ fn recording(d: &Diagnosis) -> Section {
     section
 }
 
-/// The missing term as a curve: in the model, or refused.
+/// The missing term as a curve: accepted into the model or rejected.
 fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
     let mut section = Section::new("The missing term as a curve");
     let errors = format!(

@@ -1,15 +1,15 @@
-//! Amplitude spectral density of residuals: a periodogram at frequencies an equal ratio apart, averaged over records.
+//! Amplitude spectral density of residuals: a periodogram at logarithmically spaced frequencies, averaged over records.
 
 use std::f64::consts::TAU;
 
-/// Frequencies of the spectrum.
+/// Number of frequencies.
 const FREQUENCIES: usize = 90;
-/// Rows of a record beyond this are averaged in groups first: a spectrum for people needs no more.
+/// Longer records are first averaged in groups of rows: a displayed spectrum needs no more.
 const MOST_ROWS: usize = 4000;
 
-/// Frequency, Hz, and density, Pa/√Hz, of residuals in Pa; each record with the time from row to row, s.
+/// Frequency, Hz, and density, Pa/√Hz, of residuals in Pa; each record comes with its row interval, s.
 ///
-/// Each point is averaged over the band from half way to the point before to half way to the next, at three frequencies.
+/// Each point is averaged over the band between the midpoints to its neighbours, at three frequencies.
 pub fn density(records: &[(f64, &[f64])]) -> Vec<(f64, f64)> {
     let records: Vec<(f64, Vec<f64>)> = records.iter().map(|(row_s, rows)| grouped(*row_s, rows)).collect();
     let longest = records.iter().map(|(s, r)| s * r.len() as f64).fold(0.0, f64::max);
@@ -24,7 +24,7 @@ pub fn density(records: &[(f64, &[f64])]) -> Vec<(f64, f64)> {
             let centre = low * ratio.powi(k as i32);
             let (mut sum, mut count) = (0.0, 0.0);
             for (row_s, rows) in &records {
-                // Below a record's own length, and beyond half its rate, it has nothing to say.
+                // A record carries no information below the inverse of its length and above half its row rate.
                 let own = 1.0 / (row_s * rows.len() as f64)..=0.5 / row_s * (1.0 + 1e-9);
                 for f in [-1.0 / 3.0, 0.0, 1.0 / 3.0].map(|share| centre * ratio.powf(share)) {
                     if own.contains(&f) {
@@ -40,7 +40,7 @@ pub fn density(records: &[(f64, &[f64])]) -> Vec<(f64, f64)> {
 
 /// One-sided power spectral density at `f`, Pa²/Hz.
 fn power(row_s: f64, rows: &[f64], f: f64) -> f64 {
-    // The rotation of one row, again and again: exact enough over a few thousand rows.
+    // Repeated rotation by one row: accurate enough over a few thousand rows.
     let (step_sin, step_cos) = (TAU * f * row_s).sin_cos();
     let (mut sin, mut cos) = (0.0, 1.0);
     let (mut real, mut imaginary) = (0.0, 0.0);
@@ -52,7 +52,7 @@ fn power(row_s: f64, rows: &[f64], f: f64) -> f64 {
     2.0 * row_s / rows.len() as f64 * (real * real + imaginary * imaginary)
 }
 
-/// Residuals less their mean, in groups of rows where there are many.
+/// Residuals minus their mean, averaged in groups of rows if there are many.
 fn grouped(row_s: f64, rows: &[f64]) -> (f64, Vec<f64>) {
     let size = rows.len().div_ceil(MOST_ROWS).max(1);
     let mean = rows.iter().sum::<f64>() / rows.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! Error of every form of λ that was tried, on the fitted points and on left-out actuators, as dots on a common scale.
+//! Error of every form of λ tried, on the fitted points and on left-out actuators, as dots on a common scale.
 
 use super::WIDTH;
 use anyhow::Result;

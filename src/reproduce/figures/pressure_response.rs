@@ -6,7 +6,7 @@ use paper::section31::Section31;
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 
 const BAR_PER_PA: f64 = 1e-5;
-/// Last time shown, s: nothing happens after it.
+/// Last time shown, s: nothing changes after it.
 const SHOWN_S: f64 = 3.0;
 
 /// The figure as SVG.
@@ -23,7 +23,7 @@ pub fn draw(found: &Section31) -> Result<String> {
         shown(relaxation.time_s.iter().zip(residuals).map(|(t, r)| (*t, r * 1e3 * BAR_PER_PA)).collect())
     };
     let trace = shown(c.time_s.iter().zip(&c.pressure_pa).map(|(t, p)| (*t, p * BAR_PER_PA)).collect());
-    // Every row of the push and of the first tenth of a second, then every tenth.
+    // Every row of the push and of the first tenth of a second, then every tenth row.
     let kept = |(i, (t, _)): &(usize, (f64, f64))| *t < 0.1 || i % 10 == 0;
     let dots: Vec<(f64, f64)> = trace.into_iter().enumerate().filter(kept).map(|(_, p)| p).collect();
     let (exponential, exact) = (&found.published.fit.residuals_pa, &found.exact.fit.residuals_pa);

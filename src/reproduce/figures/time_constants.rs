@@ -1,4 +1,4 @@
-//! Predicted over measured time constant of the six tests, before and after, each actuator predicted from the others.
+//! Predicted over measured time constant of the six tests, before and after; each actuator is predicted from the others.
 
 use super::WIDTH;
 use anyhow::{Context, Result};

@@ -1,5 +1,5 @@
-//! λ0 against volume/area in the two ways in which it varies, by the column's length at each bore and by the bore at each
-//! length: the studies' rows as curves, the paper's six points on them.
+//! λ0 against volume/area in its two variants, by column length at each bore and by bore at each length: the studies' rows as
+//! curves, with the paper's six points.
 
 use super::WIDTH;
 use crate::reproduce::studies::TrendPoint;
@@ -9,21 +9,21 @@ use paper::tables::{TABLE_5, Table, row_of};
 use report::{Axis, Chart, Colour, Mark, Series, chart};
 
 const MM: f64 = 1e3;
-/// Range of the figure: V/A, mm, and λ0, W/(m² K). All six points lie in it.
+/// Range of the figure: V/A, mm, and λ0, W/(m² K). It contains all six points.
 const X_MM: (f64, f64) = (2.0, 10.0);
 const Y: (f64, f64) = (10.0, 70.0);
 /// Bores of the paper's actuators, m, and their colours.
 const OF_THE_PAPER: [(f64, Colour); 2] = [(0.020, Colour::After), (0.032, Colour::Before)];
-/// The paper's actuators: name, colour, what the legend says.
+/// The paper's actuators: name, colour, legend text.
 const ACTUATORS: [(&str, Colour, &str); 3] =
     [("A", Colour::After, "A, 20 mm"), ("B", Colour::Before, "B, 32 mm"), ("C", Colour::Before, "C, 32 mm")];
-/// Logarithm of the ratio of two lengths that are drawn beside each other, at least.
+/// Smallest logarithm of the ratio of two lengths that are both drawn.
 const APART: f64 = 0.45;
 
 /// The figure as SVG: `studied` with the column's length in λ, `flat` with one λ0.
 ///
 /// # Errors
-/// A point of table 5 that is missing, a drawing that fails.
+/// If a point of table 5 is missing or a drawing fails.
 pub fn draw(measured: &Measured, studied: &[TrendPoint], flat: &[TrendPoint]) -> Result<String> {
     let points = points_of_the_paper(measured)?;
     let panel = |title, y, series, texts| Chart {
@@ -65,7 +65,7 @@ pub fn draw(measured: &Measured, studied: &[TrendPoint], flat: &[TrendPoint]) ->
     Ok(chart::sheet("", &[by_length, by_bore], 2)?)
 }
 
-/// A point of table 5 as it is drawn.
+/// A point of table 5 in the figure.
 struct OfThePaper {
     actuator: &'static str,
     /// Length of its gas column, m.
@@ -108,7 +108,7 @@ fn marker(actuator: &str, filled: bool) -> Mark {
 fn one_coefficient(flat: &[TrendPoint]) -> Series<'static> {
     let mut points: Vec<(f64, f64)> = flat.iter().map(place).filter(inside).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Thinned: a dashed line through hundreds of points a pixel apart would lose its dashes.
+    // Thinned: a dashed line through hundreds of closely spaced points would lose its dashes.
     let points = points.iter().copied().step_by(points.len().div_ceil(60).max(1)).collect();
     Series { points, colour: Colour::Ink, label: "", mark: Mark::Dashed(1.6) }
 }
@@ -122,7 +122,7 @@ fn inside((x, y): &(f64, f64)) -> bool {
     (X_MM.0..=X_MM.1).contains(x) && (Y.0..=Y.1).contains(y)
 }
 
-/// The curve of some rows from one pressure, as far as it is in the figure.
+/// The curve of selected rows at one pressure, within the figure.
 fn curve(points: &[TrendPoint], pressure_pa: f64, of: impl Fn(&TrendPoint) -> bool) -> Vec<(f64, f64)> {
     let own = points.iter().filter(|p| p.initial_pressure_pa == pressure_pa && of(p));
     let mut curve: Vec<(f64, f64)> = own.map(place).filter(inside).collect();
@@ -130,7 +130,7 @@ fn curve(points: &[TrendPoint], pressure_pa: f64, of: impl Fn(&TrendPoint) -> bo
     curve
 }
 
-/// Lengths of the study whose lines are drawn, m: the one nearest to each actuator's, and others that keep their distance.
+/// Column lengths of the study drawn as lines, m: the nearest to each actuator's, and others sufficiently far apart.
 fn lengths(studied: &[TrendPoint], points: &[OfThePaper]) -> Vec<f64> {
     let all = distinct(studied.iter().map(|p| p.column_m));
     let far = |length: f64, other: f64| (length / other).ln().abs();
@@ -148,7 +148,7 @@ fn lengths(studied: &[TrendPoint], points: &[OfThePaper]) -> Vec<f64> {
     distinct(drawn.into_iter())
 }
 
-/// Sorted, each once.
+/// Sorted, without duplicates.
 fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

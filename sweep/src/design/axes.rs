@@ -1,9 +1,9 @@
-//! The axes of a design: the values of each varied quantity, and which of them are correlated.
+//! The axes of a design: the values of each varied quantity, and their correlations.
 
 use crate::quantity::axis::Axis;
 use crate::quantity::copula::Copula;
 
-/// The varied quantities of a design: the values of each, and which of them are correlated.
+/// The varied quantities of a design: the values of each, and their correlations.
 #[derive(Clone, Debug)]
 pub struct Axes {
     list: Vec<Axis>,
@@ -28,7 +28,7 @@ impl Axes {
         self.copula.as_ref()
     }
 
-    /// Puts values in place of shares in [0, 1), one column for each axis.
+    /// Maps fractions in [0, 1) to values, one column for each axis.
     pub fn place(&self, columns: &mut [Vec<f64>]) {
         if let Some(copula) = &self.copula {
             copula.apply(columns);

@@ -1,11 +1,11 @@
-//! A Latin hypercube: one row in each of `samples` equal slices of every axis, at a random place in its slice.
+//! A Latin hypercube: one row in each of `samples` equal slices of every axis, at a random position in its slice.
 
 use super::axes::Axes;
 use super::random::{Permutation, Stream, mix, unit};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// The slices of each axis in the order of the rows.
+/// Permutation of the slices and random positions for each axis.
 #[derive(Debug)]
 pub struct LatinHypercube {
     axes: Axes,
@@ -14,7 +14,7 @@ pub struct LatinHypercube {
 }
 
 impl LatinHypercube {
-    /// Of that many rows.
+    /// A Latin hypercube of `samples` rows.
     pub fn new(axes: Axes, samples: u64, seed: u64) -> Self {
         let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
         let columns =
@@ -22,7 +22,7 @@ impl LatinHypercube {
         Self { axes, samples, columns }
     }
 
-    /// The axes whose values the rows are drawn from, one column each.
+    /// The sampled axes, one column each.
     pub fn axes(&self) -> &Axes {
         &self.axes
     }
@@ -45,7 +45,7 @@ impl LatinHypercube {
     }
 }
 
-/// Random places in slices of an axis, as shares of it.
+/// Random positions in slices of an axis, as fractions of the axis.
 struct Shares<'a> {
     slices: &'a [u64],
     samples: f64,

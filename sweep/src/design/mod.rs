@@ -1,5 +1,5 @@
-//! Designs: which points a study has. A row's point is a pure function of the design and the row's number, so that
-//! shards, threads and interruptions make no difference and no state lives between rows.
+//! Designs: the points of a study. A row's point is a pure function of the design and the row's number, so that shards, threads
+//! and interruptions make no difference and no state is carried between rows.
 
 pub(crate) mod axes;
 pub(crate) mod latin_hypercube;
@@ -19,7 +19,7 @@ use table::Table;
 
 pub use axes::Axes;
 
-/// Which points a study has.
+/// The points of a study.
 #[derive(Debug)]
 pub enum Design {
     /// Every combination of the axes' levels, the last axis changing fastest.
@@ -30,7 +30,7 @@ pub enum Design {
     Sobol(Axes, u64, Sobol),
     /// Blocks of rows for indices of first, total and second order.
     Saltelli(Saltelli),
-    /// Points that the user lists in a file.
+    /// Points listed by the user in a file.
     Table(Table),
 }
 
@@ -38,7 +38,7 @@ pub enum Design {
 pub const NAMES: [&str; 5] = ["factorial", "latin-hypercube", "sobol", "saltelli", "table"];
 
 impl Design {
-    /// A Latin hypercube of that many rows.
+    /// A Latin hypercube of `samples` rows.
     pub fn latin_hypercube(axes: impl Into<Axes>, samples: u64, seed: u64) -> Self {
         Design::LatinHypercube(LatinHypercube::new(axes.into(), samples, seed))
     }
@@ -85,7 +85,7 @@ impl Design {
         self.all_axes()?.copula()
     }
 
-    /// Number of rows; `None` where it does not fit.
+    /// Number of rows; `None` on overflow.
     pub fn rows(&self) -> Option<u64> {
         match self {
             Design::Factorial(axes) => axes.iter().try_fold(1u64, |rows, a| rows.checked_mul(a.levels().unwrap_or(1))),
@@ -99,7 +99,7 @@ impl Design {
     /// Fills one column for each varied quantity with the values of some rows.
     ///
     /// # Errors
-    /// Only of a table: the file cannot be read or holds what is not a number.
+    /// Only for a table: the file cannot be read or contains a value that is no number.
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         for column in columns.iter_mut() {
             column.clear();

@@ -1,10 +1,10 @@
-//! Numbers that look random and are a pure function of seed, stream and index: rows can be made in any order.
+//! Pseudo-random numbers as a pure function of seed, stream and index: rows can be computed in any order.
 //!
 //! The mixing is SplitMix64's (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Elements that are permuted together: their memory stays in a core's nearest cache.
+/// Elements permuted together: they fit into a core's first-level cache.
 const BLOCK: usize = 1 << 11;
 
 /// A 64-bit number from a key and a counter.
@@ -13,12 +13,12 @@ pub fn mix(key: u64, counter: u64) -> u64 {
     Stream::new(key).at(counter)
 }
 
-/// Random numbers of one key, each found by its counter alone.
+/// Random numbers of one key, each computed from its counter alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream(u64);
 
 impl Stream {
-    /// The stream that belongs to a key.
+    /// The stream of a key.
     #[inline]
     pub fn new(key: u64) -> Self {
         Self(finish(key ^ 0x6a09_e667_f3bc_c908))
@@ -45,20 +45,21 @@ pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-/// A permutation of 0..n in which any element can be had without the others.
+/// A permutation of 0..n in which any element can be computed without the others.
 ///
-/// Four rounds of a Feistel network on as many bits as n − 1 has, its halves equal or one apart, walked along its cycle
-/// until the result is below n (Black and Rogaway 2002, "Ciphers with arbitrary finite domains"): under two steps on average.
+/// Four rounds of a Feistel network on as many bits as n − 1 has, with halves of equal size or differing by one, walked along its
+/// cycle until the result is below n (Black and Rogaway 2002, "Ciphers with arbitrary finite domains"): under two steps on
+/// average.
 #[derive(Clone, Copy, Debug)]
 pub struct Permutation {
     size: u64,
-    /// Of the left half and of the right one.
+    /// Sizes of the left half and of the right one, bits.
     bits: [u32; 2],
     rounds: [Stream; 4],
 }
 
 impl Permutation {
-    /// The permutation of 0..size that belongs to a key.
+    /// The permutation of 0..size for a key.
     pub fn new(size: u64, key: u64) -> Self {
         let bits = 64 - size.saturating_sub(1).leading_zeros();
         Self {
@@ -68,7 +69,7 @@ impl Permutation {
         }
     }
 
-    /// Where some indices go, from `first` on.
+    /// Images of consecutive indices from `first` on.
     pub fn fill(&self, first: u64, out: &mut [u64]) {
         let arch = Arch::new();
         let mut start = first;
@@ -78,8 +79,8 @@ impl Permutation {
         }
     }
 
-    /// All elements of a block take a step along their cycles before any takes the next: whether one has to go on is
-    /// a coin that a processor cannot guess, and steps in a row are taken by its widest instructions.
+    /// All elements of a block take a step along their cycles before any takes the next: a processor cannot predict whether an
+    /// element must continue, and steps in a batch use its widest instructions.
     fn fill_block(&self, arch: Arch, first: u64, out: &mut [u64]) {
         debug_assert!(first + out.len() as u64 <= self.size);
         out.iter_mut().zip(first..).for_each(|(element, index)| *element = index);
@@ -106,7 +107,7 @@ impl Permutation {
     }
 }
 
-/// A step of some elements along their cycles.
+/// One step of several elements along their cycles.
 struct Step<'a> {
     permutation: &'a Permutation,
     elements: &'a mut [u64],
@@ -115,7 +116,7 @@ struct Step<'a> {
 impl WithSimd for Step<'_> {
     type Output = ();
 
-    // Loops by index: what iterators compile to is not inlined into a function with more instructions than the crate's.
+    // Index loops: iterator code is not inlined into a function compiled for more instructions than the crate.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Permutation { bits, rounds, .. } = *self.permutation;
@@ -125,7 +126,7 @@ impl WithSimd for Step<'_> {
             let (mut left, mut right) = (self.elements[i] >> bits[1], self.elements[i] & masks[1]);
             let mut round = 0;
             while round < rounds.len() {
-                // The halves change places, and so do their lengths.
+                // The halves swap, and so do their sizes.
                 (left, right) = (right, left ^ (rounds[round].at(right) & masks[round % 2]));
                 round += 1;
             }
@@ -163,7 +164,7 @@ mod tests {
         let centred = |p: &[u64], i: u64| p[i as usize] as f64 / n as f64 - 0.5;
         let covariance = (0..n).map(|i| centred(&a, i) * centred(&b, i)).sum::<f64>() / n as f64;
         let with_index = (0..n).map(|i| centred(&a, i) * (i as f64 / n as f64 - 0.5)).sum::<f64>() / n as f64;
-        // The standard deviation of a correlation of independent numbers is 1/√n; the variance of one is 1/12.
+        // The standard deviation of the correlation of independent numbers is 1/√n; the variance of one number is 1/12.
         assert!(covariance.abs() * 12.0 < 4.0 / (n as f64).sqrt(), "{covariance}");
         assert!(with_index.abs() * 12.0 < 4.0 / (n as f64).sqrt(), "{with_index}");
     }

@@ -1,24 +1,24 @@
 //! Saltelli's scheme for Sobol' indices: blocks of rows around two independent points A and B.
 //!
-//! A block is A; A with one column of B, for each quantity; for indices of second order B with one column of A, for each
-//! quantity; B (Saltelli 2002). The points are of [`REPLICATES`] independently scrambled Sobol' sequences that take turns, so
-//! that the scatter between them shows how far indices can be trusted, and more blocks continue all of them.
+//! A block is A; A with one column of B, for each quantity; for second-order indices B with one column of A, for each quantity; B
+//! (Saltelli 2002). The points alternate between [`REPLICATES`] independently scrambled Sobol' sequences, so that the scatter
+//! between them shows the accuracy of the indices, and further blocks continue all of them.
 
 use super::axes::Axes;
 use super::random::mix;
 use super::sobol::Sobol;
 use std::ops::Range;
 
-/// Sequences that take turns: block k is point k div `REPLICATES` of sequence k mod `REPLICATES`. More of them would know
-/// their scatter better, and spread the points less evenly.
+/// Number of alternating sequences: block k is point k div `REPLICATES` of sequence k mod `REPLICATES`. More of them would
+/// estimate their scatter better but spread the points less evenly.
 pub const REPLICATES: u64 = 16;
 
-/// What a block of rows consists of.
+/// Composition of a block of rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Scheme {
     /// Number of varied quantities.
     pub axes: usize,
-    /// Whether there are rows for indices of second order.
+    /// Whether it has rows for second-order indices.
     pub second: bool,
 }
 
@@ -34,7 +34,7 @@ impl Scheme {
         (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
     }
 
-    /// Whether a row of a block has a quantity's value from B instead of A.
+    /// Whether a row of a block takes a quantity's value from B instead of A.
     fn is_of_b(self, row: u64, quantity: usize) -> bool {
         let (n, quantity) = (self.axes as u64, quantity as u64);
         match row {
@@ -57,7 +57,7 @@ pub struct Saltelli {
 }
 
 impl Saltelli {
-    /// `samples` blocks about the axes; `second` adds the rows for indices of pairs.
+    /// `samples` blocks over the axes; `second` adds the rows for indices of pairs.
     pub fn new(axes: Axes, samples: u64, seed: u64, second: bool) -> Self {
         let scheme = Scheme { axes: axes.len(), second };
         let replicates = (0..REPLICATES).map(|number| Sobol::scrambled(2 * axes.len(), mix(seed, number))).collect();
@@ -74,12 +74,12 @@ impl Saltelli {
         self.samples
     }
 
-    /// The rows that make a block.
+    /// Composition of a block.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
 
-    /// Number of rows; `None` where it does not fit.
+    /// Number of rows; `None` on overflow.
     pub fn rows(&self) -> Option<u64> {
         self.samples.checked_mul(self.scheme.rows())
     }

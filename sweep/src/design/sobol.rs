@@ -9,7 +9,7 @@
 use super::random::mix;
 use std::sync::LazyLock;
 
-/// Digits of a point: what a double holds of a number in [0, 1).
+/// Binary digits of a point: those that a double has for a number in [0, 1).
 const BITS: usize = 52;
 /// Dimensions in the table.
 pub const DIMENSIONS: usize = 128;
@@ -17,12 +17,12 @@ pub const DIMENSIONS: usize = 128;
 /// Scrambled points of some dimensions.
 #[derive(Clone, Debug)]
 pub struct Sobol {
-    /// For each dimension, the digits that each bit of the index adds (modulo 2), and the shift.
+    /// For each dimension, the digits added (modulo 2) by each bit of the index, and the shift.
     dimensions: Vec<([u64; BITS], u64)>,
 }
 
 impl Sobol {
-    /// Points of that many dimensions, at most [`DIMENSIONS`], scrambled by a seed.
+    /// Points of this many dimensions, at most [`DIMENSIONS`], scrambled by a seed.
     pub fn scrambled(dimensions: usize, seed: u64) -> Self {
         let scrambled = (0..dimensions).map(|d| {
             let key = mix(seed, 0x50b0_1000 + d as u64);
@@ -38,10 +38,10 @@ impl Sobol {
         share(self.digits(index, dimension))
     }
 
-    /// Coordinates of a point and all that follow it.
+    /// Coordinates of a point and of all points after it.
     pub fn coordinates_from(&self, mut index: u64, dimension: usize) -> impl Iterator<Item = f64> {
         let mut digits = self.digits(index, dimension);
-        // Counting on changes an index's lowest bits up to the one that becomes a one.
+        // Incrementing an index flips its lowest bits, up to the one that becomes 1.
         let mut changes = self.dimensions[dimension].0;
         for bit in 1..BITS {
             changes[bit] ^= changes[bit - 1];
@@ -66,14 +66,14 @@ impl Sobol {
     }
 }
 
-/// Digits after the point as a number in [0, 1).
+/// Binary digits after the point as a number in [0, 1).
 #[inline]
 fn share(digits: u64) -> f64 {
     digits as f64 * (1.0 / (1u64 << BITS) as f64)
 }
 
-/// Multiplies digits by a random lower triangular matrix with ones on its diagonal, modulo 2: digit i of the result is
-/// digit i of the number plus random ones of its higher digits.
+/// Multiplies digits by a random lower triangular matrix with a unit diagonal, modulo 2: digit i of the result is digit i of the
+/// number plus a random selection of its higher digits.
 fn scramble(digits: u64, key: u64) -> u64 {
     let mut result = 0;
     for digit in 0..BITS {
@@ -138,7 +138,7 @@ mod tests {
             let mut words = line.split_ascii_whitespace();
             let dimension: usize = words.next().unwrap().parse().unwrap();
             for (word, index) in words.zip([1u64, 2, 3, 5, 100, 1000, 1023]) {
-                // scipy walks in Gray code order: its n-th point is our point n ^ (n >> 1).
+                // scipy uses Gray code order: its n-th point is our point n ^ (n >> 1).
                 assert_eq!(plain(index ^ (index >> 1), dimension), word.parse::<f64>().unwrap(), "{dimension} {index}");
             }
         }

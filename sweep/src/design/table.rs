@@ -1,4 +1,4 @@
-//! Points of one's own: a Parquet or CSV file with a column for each varied quantity, read piece by piece.
+//! User-defined points: a Parquet or CSV file with a column for each varied quantity, read in pieces.
 
 use crate::error::Error;
 use crate::quantity::Allowed;
@@ -16,12 +16,12 @@ use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-/// What stands between the fields of a CSV file. A row is a line, so that a complaint names its line exactly: the `csv` crate
-/// counts blank lines and the second half of a CR LF towards the next record.
+/// Separator of a CSV file. A row is a line, so that errors name its line exactly: the `csv` crate counts blank lines and the
+/// second half of a CR LF towards the next record.
 const COMMA: Separator = Separator::Byte(b',');
-/// The longest line of a CSV file, bytes: a file without line ends is not taken into memory as one line.
+/// Length limit of a line in a CSV file, bytes: a file without line ends is not loaded into memory as one line.
 const MAX_LINE: u64 = 1 << 20;
-/// Rows between remembered places of a CSV file.
+/// Rows between stored positions in a CSV file.
 const STRIDE: u64 = 16_384;
 
 /// A file of points.
@@ -31,7 +31,7 @@ pub struct Table {
     rows: u64,
     names: Vec<String>,
     columns: Vec<usize>,
-    /// What each of these columns may hold, once that is known.
+    /// Allowed values of each of these columns, once known.
     allowed: Vec<Allowed>,
     kind: Kind,
 }
@@ -44,10 +44,10 @@ enum Kind {
 }
 
 impl Table {
-    /// Opens a file ending in `.parquet` or `.csv`; a CSV file has its column names in its first line.
+    /// Opens a file ending in `.parquet` or `.csv`; the first line of a CSV file has the column names.
     ///
     /// # Errors
-    /// The file cannot be read, has another ending or no rows.
+    /// The file cannot be read, or has another ending or no rows.
     pub fn open(path: &Path) -> Result<Self, Error> {
         if !std::fs::metadata(path).map_err(Error::reading(path))?.is_file() {
             return Err(Error::table(
@@ -80,7 +80,7 @@ impl Table {
         self.columns.iter().map(|&c| self.names[c].as_str()).collect()
     }
 
-    /// Uses only the columns that `keep` says yes to.
+    /// Uses only the columns for which `keep` is true.
     pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
         self.columns.retain(|&c| keep(&self.names[c]));
     }
@@ -90,15 +90,16 @@ impl Table {
         self.rows
     }
 
-    /// Path of the file that holds the points.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads every row once: each value has to be allowed in its column, each row to pass `row`, which says why not.
+    /// Reads every row once and checks each value against its column's allowed ones, and each row with `row`, which returns the
+    /// reason for a refusal.
     ///
     /// # Errors
-    /// As [`Table::fill`], or the first value or row that cannot be.
+    /// As [`Table::fill`], or the first value or row refused.
     pub fn check(
         &mut self,
         allowed: Vec<Allowed>,
@@ -121,7 +122,7 @@ impl Table {
     /// Appends the values of some rows to one column for each of [`Table::names`].
     ///
     /// # Errors
-    /// The file cannot be read or holds what is not a number; an empty or missing value is one of these.
+    /// The file cannot be read or contains a value that is no number, such as an empty or missing one.
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         match &self.kind {
             Kind::Parquet(metadata) => unbroken(&self.path, || self.fill_from_parquet(metadata, rows, columns)),
@@ -184,7 +185,7 @@ impl Table {
         Ok(())
     }
 
-    /// Refuses a value that the column in use of that number must not have; `place` says where it stands.
+    /// Refuses a value not allowed in the column at this index among those in use; `place` describes its location.
     fn check_allowed(&self, column: usize, value: f64, place: impl FnOnce() -> String) -> Result<(), Error> {
         match self.allowed.get(column).filter(|allowed| !allowed.contains(value)) {
             None => Ok(()),
@@ -243,12 +244,12 @@ impl Table {
     }
 }
 
-/// The Parquet library panics on some damaged files; they are refused here like any other.
+/// The Parquet library panics on some damaged files; these are refused like any others.
 fn unbroken<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(Error::table(path, "the Parquet file is damaged")))
 }
 
-/// Refuses a line of which only the beginning was read.
+/// Refuses a line read only in part.
 fn check_length(path: &Path, line: u64, begin: &[u8]) -> Result<(), Error> {
     if begin.len() as u64 == MAX_LINE && !begin.ends_with(b"\n") {
         let message = format!("line {line} is longer than {MAX_LINE} bytes; expected a row of a few numbers");
@@ -257,7 +258,7 @@ fn check_length(path: &Path, line: u64, begin: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Reads a CSV file once: its header, its number of rows and where every [`STRIDE`]-th begins.
+/// Reads a CSV file once: its header, its number of rows and the position of every [`STRIDE`]-th row.
 fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     let read = Error::reading(path);
     let mut reader = BufReader::new(File::open(path).map_err(&read)?);
@@ -332,7 +333,7 @@ mod tests {
         let path = folder.path().join("points.csv");
         let refused = |begin: &str| {
             std::fs::write(&path, begin).unwrap();
-            // Of so many bytes that the system takes no memory for, none on the disk.
+            // A sparse file, larger than the available memory.
             File::options().write(true).open(&path).unwrap().set_len(1 << 40).unwrap();
             Table::open(&path).err().unwrap().to_string()
         };

@@ -1,8 +1,8 @@
-//! In which entries two studies differ, as the JSON of their folders says.
+//! Entries in which two studies differ, from the JSON in their folders.
 
 use serde_json::Value;
 
-/// The entries in which two parts of studies differ, each with both values; null where there is none.
+/// The entries in which two JSON objects differ, each with both values; null for a missing one.
 pub fn differing<'a>(theirs: &'a Value, ours: &'a Value) -> impl Iterator<Item = (&'a String, [&'a Value; 2])> {
     let entries = |of: &'a Value| of.as_object().into_iter().flatten().map(|(name, _)| name);
     let only_theirs = entries(theirs).filter(move |name| ours.get(name.as_str()).is_none());

@@ -1,13 +1,13 @@
-//! A study's folder: which parts are there, what an interrupted run left behind, and the manifest.
+//! A study's folder: existing parts, leftovers of an interrupted run, and the manifest.
 //!
-//! A part's record is there before the part, so that no part is without its hash.
+//! A part's record is written before the part, so that no part lacks its hash.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `record` | what is known of a part |
-//! | `differing` | in which entries two studies differ |
-//! | [`earlier`] | rows that a smaller study has solved already |
-//! | [`verify`] | whether it holds what its manifest says |
+//! | `record` | what is recorded about a part |
+//! | `differing` | entries in which two studies differ |
+//! | [`earlier`] | rows that a smaller study has already solved |
+//! | [`verify`] | check against the manifest |
 
 mod differing;
 pub mod earlier;
@@ -36,14 +36,14 @@ pub struct Folder<'a> {
     identity: String,
 }
 
-/// What a part's place holds.
+/// State of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
     /// The part, as its record describes it.
     Whole(Record),
     /// A file that differs from its record in length or contents.
     Damaged,
-    /// Nothing, or nothing whole.
+    /// Neither file nor record, or a record without its file.
     Nothing,
 }
 
@@ -57,7 +57,7 @@ impl Found {
     }
 }
 
-/// How closely to look at a part.
+/// How thoroughly to check a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
     /// Compares the length of the file with the record.
@@ -67,10 +67,10 @@ pub enum Look {
 }
 
 impl<'a> Folder<'a> {
-    /// A folder that is the study's or does not exist yet; nothing is written.
+    /// Opens a folder that is the study's or does not exist yet, without writing anything.
     ///
     /// # Errors
-    /// It cannot be read, or is another study's.
+    /// It cannot be read, or belongs to another study.
     pub fn open(study: &'a Study, store: &'a dyn Store) -> Result<Self, Error> {
         let folder = Self { study, store, identity: study.identity() };
         folder.refuse_another_study()?;
@@ -82,7 +82,7 @@ impl<'a> Folder<'a> {
         self.store
     }
 
-    /// Makes the folder the study's.
+    /// Marks the folder as the study's.
     pub fn prepare(&self) -> Result<(), Error> {
         let name = format!("{RECORDS}/{STUDY}");
         if self.store.length(&name).map_err(self.reading(&name))?.is_some() {
@@ -93,12 +93,12 @@ impl<'a> Folder<'a> {
         self.store.write(&name, pretty(&study).as_bytes()).map_err(self.writing(&name))
     }
 
-    /// Where files are made.
+    /// Folder for files being written.
     pub fn staging(&self) -> Result<PathBuf, Error> {
         self.store.staging().map_err(self.writing(""))
     }
 
-    /// A system's reason as an error about a file of this folder.
+    /// Turns a system error into an error about a file of this folder.
     fn reading(&self, name: &str) -> impl FnOnce(io::Error) -> Error + use<> {
         let path = self.path(name);
         move |source| Error::Read { path, source }
@@ -109,35 +109,35 @@ impl<'a> Folder<'a> {
         move |source| Error::Write { path, source }
     }
 
-    /// A file of this folder as people write it.
+    /// Path of a file of this folder, for display.
     pub fn path(&self, name: &str) -> PathBuf {
         if name.is_empty() { self.store.place().to_owned() } else { self.store.place().join(name) }
     }
 
-    /// A part's place in the folder.
+    /// A part's path in the folder.
     pub fn part_file(&self, part: u64) -> String {
         format!("{ROWS}/{}", self.study.part_name(part))
     }
 
-    /// A part on the disk.
+    /// A part on the local disk.
     pub fn local_part(&self, part: u64) -> Result<LocalFile, Error> {
         let name = self.part_file(part);
         self.store.local(&name).map_err(self.reading(&name))
     }
 
-    /// A part's record in the folder.
+    /// Path of a part's record in the folder.
     fn record_file(&self, part: u64) -> String {
         record::file(&self.study.part_name(part))
     }
 
-    /// A part's record, to be written before the part gets its name.
+    /// A part's record, to be written before the part is published.
     pub fn record(&self, part: u64, statuses: StatusCounts, file: Option<Digest>, statistics: Option<State>) -> Record {
         let rows = self.study.rows_of(part);
         let (first_row, rows) = (rows.start, rows.end - rows.start);
         Record { study_sha256: self.identity.clone(), first_row, rows, statuses, file, statistics }
     }
 
-    /// Makes a part's record last.
+    /// Writes a part's record durably.
     pub fn write_record(&self, part: u64, record: &Record) -> Result<(), Error> {
         let text = serde_json::to_string(record).unwrap_or_default() + "\n";
         let name = self.record_file(part);
@@ -174,13 +174,13 @@ impl<'a> Folder<'a> {
         Ok(())
     }
 
-    /// Whether a file has the name of one of the study's parts.
+    /// Whether a file is named like one of the study's parts.
     fn is_part(&self, name: &str) -> bool {
         let number = name.strip_prefix("part-").and_then(|rest| rest.split('-').next()?.parse().ok());
         number.is_some_and(|part| part < self.study.parts && self.study.part_name(part) == name)
     }
 
-    /// What another study differs in, as far as that can be said in a few words.
+    /// Brief description of how another study differs.
     fn described(&self, found: &Value) -> String {
         let (theirs, ours) = (&found["study"], self.study.json());
         if found["program_version"] != json!(env!("CARGO_PKG_VERSION")) {
@@ -200,13 +200,12 @@ impl<'a> Folder<'a> {
         format!("{}, which differs in {}", theirs["name"], told.collect::<Vec<_>>().join(", "))
     }
 
-    /// The statistics in a part's record. [`Folder::find`] leaves them out: those of all parts of a large study are more than
-    /// its memory.
+    /// The statistics in a part's record. [`Folder::find`] omits them: those of all parts of a large study exceed its memory.
     pub fn statistics(&self, part: u64) -> Option<State> {
         record::read(self.store, &self.study.part_name(part))?.statistics
     }
 
-    /// Looks for a part; with `rows` its file has to be there too.
+    /// Looks for a part; with `rows` its file must exist too.
     pub fn find(&self, part: u64, rows: bool, look: Look) -> Found {
         let rows_of = self.study.rows_of(part);
         let record =
@@ -233,7 +232,7 @@ impl<'a> Folder<'a> {
         }
     }
 
-    /// Removes what killed runs left of the parts that `mine` says yes to: temporary files that nobody has locked.
+    /// Removes temporary files of killed runs, which nobody has locked, for the parts selected by `mine`.
     pub fn clean(&self, mine: impl Fn(u64) -> bool) -> Result<(), Error> {
         let parts = (0..self.study.parts).filter(|part| mine(*part)).map(|part| self.study.part_name(part));
         let mut names: Vec<String> = parts.flat_map(|part| [record::file_name(&part), part]).collect();
@@ -243,22 +242,22 @@ impl<'a> Folder<'a> {
         self.store.clean(&names).map_err(self.reading(""))
     }
 
-    /// Removes a manifest that says more than is there.
+    /// Removes a manifest that lists more than exists.
     pub fn remove_manifest(&self) -> Result<(), Error> {
         self.store.remove(MANIFEST).map_err(self.writing(MANIFEST))
     }
 
-    /// Every part's record, if all are there.
+    /// The records of all parts, if all are complete.
     pub fn all_finished(&self, rows: bool) -> Option<Vec<Record>> {
         (0..self.study.parts).map(|part| self.find(part, rows, Look::Length).whole()).collect()
     }
 
-    /// Writes a result for programs beside the parts, unless it is there already.
+    /// Writes a JSON file alongside the parts, unless it is unchanged.
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), Error> {
         self.write_changed(name, &pretty(value))
     }
 
-    /// Writes a text where another one is there, or none.
+    /// Writes a text unless the file already contains it.
     fn write_changed(&self, name: &str, text: &str) -> Result<(), Error> {
         if self.store.read(name).is_ok_and(|found| found.as_deref() == Some(text.as_bytes())) {
             return Ok(());
@@ -266,19 +265,19 @@ impl<'a> Folder<'a> {
         self.store.write(name, text.as_bytes()).map_err(self.writing(name))
     }
 
-    /// Writes a result for programs beside the parts, and before it its record.
+    /// Writes a JSON result alongside the parts, after its record.
     pub fn write_result(&self, name: &str, value: &Value) -> Result<(), Error> {
         let text = pretty(value);
         self.record_result(name, &Digest { sha256: hash::of_bytes(text.as_bytes()), bytes: text.len() as u64 })?;
         self.write_changed(name, &text)
     }
 
-    /// Makes last what a result is to hold, before it is there.
+    /// Writes a result's record durably, before the result itself.
     pub fn record_result(&self, place: &str, digest: &Digest) -> Result<(), Error> {
         self.write_json(&file_names::record_of_result(place), &json!(digest))
     }
 
-    /// The results beside the parts that are there, as their records describe them.
+    /// The existing results alongside the parts, as described by their records.
     fn results(&self) -> Result<Vec<Value>, Error> {
         let mut found = Vec::new();
         for place in file_names::RESULTS {
@@ -293,7 +292,7 @@ impl<'a> Folder<'a> {
         Ok(found)
     }
 
-    /// Brings a manifest that is there up to date with the results; without one, the run that finishes the study writes it.
+    /// Updates the results in an existing manifest; if there is none, the run that finishes the study writes it.
     pub fn renew_manifest(&self) -> Result<(), Error> {
         let Some(text) = self.store.read(MANIFEST).map_err(self.reading(MANIFEST))? else { return Ok(()) };
         let Ok(mut manifest) = serde_json::from_slice::<Value>(&text) else { return Ok(()) };
@@ -345,7 +344,7 @@ impl<'a> Folder<'a> {
     }
 }
 
-/// JSON as a file has it.
+/// JSON as written to files.
 fn pretty(value: &Value) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }

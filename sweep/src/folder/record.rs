@@ -1,4 +1,4 @@
-//! What is known of a part without its rows: a file of its own, which is there before the part.
+//! What is recorded about a part, without its rows: a separate file, written before the part.
 
 use crate::file_names::RECORDS;
 use crate::part::new_file::Digest;
@@ -7,20 +7,20 @@ use crate::statistics::State;
 use crate::store::Store;
 use serde::{Deserialize, Serialize};
 
-/// What is known of a part.
+/// What is recorded about a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// SHA-256 of the study's identity, hexadecimal.
     pub study_sha256: String,
-    /// Number of its first row.
+    /// Index of its first row.
     pub first_row: u64,
     /// Number of rows in the part.
     pub rows: u64,
-    /// How many rows ended with each status.
+    /// Number of rows with each status.
     pub statuses: StatusCounts,
-    /// Its file; none where the study's rows are not kept.
+    /// Its file; `None` if the study's rows are not kept.
     pub file: Option<Digest>,
-    /// Its statistics, where they were asked for.
+    /// Its statistics, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub statistics: Option<State>,
 }
@@ -30,18 +30,18 @@ pub fn file_name(part: &str) -> String {
     format!("{}.json", part.trim_end_matches(".parquet"))
 }
 
-/// Place of the record of a part.
+/// Path of the record of a part.
 pub fn file(part: &str) -> String {
     format!("{RECORDS}/{}", file_name(part))
 }
 
-/// The record of a part of that name, where there is one that can be read.
+/// The record of the part with that name, if it exists and is readable.
 pub fn read(store: &dyn Store, part: &str) -> Option<Record> {
     let text = store.read(&file(part)).ok().flatten()?;
     serde_json::from_slice(&text).ok()
 }
 
-/// Number of rows by status, summed over these parts.
+/// Number of rows by status, summed over the parts.
 pub fn statuses_of(parts: &[Record]) -> StatusCounts {
     let mut total = StatusCounts::new();
     parts.iter().for_each(|part| add_counts(&mut total, &part.statuses));

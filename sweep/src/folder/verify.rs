@@ -1,4 +1,4 @@
-//! Whether a finished study's folder holds what its manifest says, byte for byte.
+//! Verifies that a finished study's folder matches its manifest, byte for byte.
 
 use super::record;
 use crate::error::Error;
@@ -9,24 +9,24 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::Value;
 
-/// How a folder compares with its manifest.
+/// Result of comparing a folder with its manifest.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// Parts that the manifest names.
+    /// Number of parts in the manifest.
     pub parts: usize,
-    /// Bytes of these parts.
+    /// Total bytes of these parts.
     pub bytes: u64,
-    /// Rows that the manifest names.
+    /// Number of rows in the manifest.
     pub rows: u64,
-    /// Parts that are missing or not what the manifest says, with the difference.
+    /// Parts that are missing or differ from the manifest, with the difference.
     pub wrong: Vec<String>,
-    /// Results beside the parts that the manifest names.
+    /// Results alongside the parts in the manifest.
     pub results: Vec<String>,
-    /// Of these, those that are missing or not what it says, with the difference.
+    /// Those of the results that are missing or differ, with the difference.
     pub wrong_results: Vec<String>,
-    /// Results that are there without being named: the manifest is older than they are, or than this program.
+    /// Existing results not in the manifest: it is older than they are, or than this program.
     pub not_covered: Vec<&'static str>,
-    /// Files beside the parts that the manifest does not name and readers of the folder would take for parts.
+    /// Files among the parts that are not in the manifest and that readers of the folder would take for parts.
     pub foreign: Vec<String>,
 }
 
@@ -45,7 +45,7 @@ struct Part {
     rows: u64,
 }
 
-/// A file as the manifest has it.
+/// A file as listed in the manifest.
 #[derive(Deserialize)]
 struct Named {
     file: String,
@@ -53,10 +53,10 @@ struct Named {
     digest: Digest,
 }
 
-/// Reads every part and result that the manifest names, on the threads of the current pool.
+/// Reads every part and result listed in the manifest, on the threads of the current pool.
 ///
 /// # Errors
-/// The study is not finished, or the manifest cannot be read or is none.
+/// The study is not finished, or the manifest cannot be read or is invalid.
 pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     let path = store.place().join(MANIFEST);
     let text = store.read(MANIFEST).map_err(Error::reading(&path))?;
@@ -86,7 +86,7 @@ pub fn verify(store: &dyn Store) -> Result<Report, Error> {
     })
 }
 
-/// Why there is no manifest: parts are missing, or it is the folder of no study.
+/// Why there is no manifest: parts are missing, or the folder contains no study.
 fn not_finished(store: &dyn Store) -> Error {
     let folder = store.place().display();
     let study = store.read(&format!("{RECORDS}/{STUDY}")).ok().flatten();
@@ -103,14 +103,14 @@ fn not_finished(store: &dyn Store) -> Error {
     Error::Option(format!("{folder}: the study is not complete: {how_far}; run it to its end, then verify it"))
 }
 
-/// Whether a part of that name is there, or its record where no rows are kept.
+/// Whether the part with that name exists or, if no rows are kept, its record.
 fn is_there(store: &dyn Store, part: &str) -> bool {
     record::read(store, part).is_some_and(|record| {
         record.file.is_none() || store.length(&format!("{ROWS}/{part}")).is_ok_and(|length| length.is_some())
     })
 }
 
-/// Results that are there and not named.
+/// Existing results that are not listed.
 fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, Error> {
     let mut found = Vec::new();
     for place in RESULTS.into_iter().filter(|place| named.iter().all(|named| named.file != *place)) {
@@ -121,14 +121,14 @@ fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, 
     Ok(found)
 }
 
-/// Files among the parts that are none. Readers pass over names that begin with a dot or an underscore.
+/// Files among the parts that are not parts. Readers skip names that begin with a dot or an underscore.
 fn foreign(store: &dyn Store, parts: &[Part]) -> Result<Vec<String>, Error> {
     let names = store.names(ROWS).map_err(Error::reading(&store.place().join(ROWS)))?;
     let seen = names.into_iter().filter(|name| !name.starts_with(['.', '_'])).map(|name| format!("{ROWS}/{name}"));
     Ok(seen.filter(|name| parts.iter().all(|part| part.named.file != *name)).collect())
 }
 
-/// How a file differs from what the manifest says.
+/// How a file differs from the manifest.
 fn difference(store: &dyn Store, Named { file, digest }: &Named) -> Option<String> {
     let length = match store.length(file) {
         Ok(Some(length)) => length,

@@ -1,7 +1,8 @@
-//! A column of one row group as pages that are encoded in this program: compressed, each with its checksum.
+//! A column of one row group as pages encoded by this program: compressed, each with a checksum.
 //!
-//! The Parquet library encodes any column; it copies doubles together, splits them byte by byte and looks each text of a
-//! dictionary up by its hash: a quarter of the time of a study of sealed tests. See [`super::doubles`] and [`super::texts`].
+//! The Parquet library encodes any column; it copies doubles together, splits them byte by byte and looks up each text of a
+//! dictionary by its hash, which takes a quarter of the time of a study of sealed tests. See [`super::doubles`] and
+//! [`super::texts`].
 //! Format: <https://github.com/apache/parquet-format>, `README.md`, `Encodings.md` and `src/main/thrift/parquet.thrift`.
 
 use super::pages::{Pieces, put_i32};
@@ -23,12 +24,12 @@ pub struct Packer {
 }
 
 impl Packer {
-    /// With one of zstd's levels.
+    /// Uses the given zstd level.
     pub fn new(level: ZstdLevel) -> Result<Self> {
         Ok(Self { level, compressor: Compressor::new(level.compression_level())? })
     }
 
-    /// Adds bytes, compressed.
+    /// Appends bytes, compressed.
     fn pack(&mut self, bytes: &[u8], out: &mut Vec<u8>) -> Result<()> {
         out.reserve(compress_bound(bytes.len()));
         let end = out.len() as u64;
@@ -41,17 +42,17 @@ impl Packer {
 
 /// Some rows of a column, encoded.
 pub struct Page<'a> {
-    /// How many rows.
+    /// Number of rows.
     pub rows: usize,
-    /// How many of them are null.
+    /// Number of nulls among them.
     pub nulls: usize,
-    /// Which are null: definition levels, run-length encoded; empty where the column has no nulls.
+    /// Definition levels, which mark the nulls, run-length encoded; empty if the column has no nulls.
     pub levels: &'a [u8],
-    /// Values of the others.
+    /// Values of the other rows.
     pub values: &'a [u8],
 }
 
-/// A column chunk that is being made.
+/// A column chunk under construction.
 pub struct Chunk {
     column: ColumnDescPtr,
     encoding: Encoding,
@@ -63,19 +64,19 @@ pub struct Chunk {
     pages: Vec<PageLocation>,
 }
 
-/// An element of Thrift's compact protocol: a structure, so many fields after the last.
+/// Type of a structure in Thrift's compact protocol, combined with the increment of the field number.
 const STRUCTURE: u8 = 12;
 /// The end of a structure.
 const END: u8 = 0;
 
 impl Chunk {
-    /// Without pages; its values will be encoded like that.
+    /// Without pages yet; `encoding` is that of its values.
     pub fn new(column: ColumnDescPtr, encoding: Encoding) -> Self {
         let pieces = Pieces::default();
         Self { column, encoding, pieces, uncompressed: 0, rows: 0, has_dictionary: false, pages: Vec::new() }
     }
 
-    /// Adds a page of so many values that later pages name by their places. It comes first.
+    /// Adds a page of `count` values that later pages refer to by index. It must come first.
     pub fn dictionary(&mut self, packer: &mut Packer, count: usize, values: &[u8]) -> Result<()> {
         let mut data = Vec::new();
         packer.pack(values, &mut data)?;
@@ -120,10 +121,10 @@ impl Chunk {
         Ok(())
     }
 
-    /// The chunk's bytes, and what its metadata says of them.
+    /// The chunk's bytes and its metadata.
     ///
     /// # Errors
-    /// The library does not take it.
+    /// The library rejects the metadata.
     pub fn close(self, packer: &Packer, statistics: Statistics) -> Result<(Pieces, ColumnCloseResult)> {
         let Self { column, encoding, pieces, uncompressed, rows, has_dictionary, pages } = self;
         let first = pages.first().ok_or_else(|| ParquetError::General("a column without pages".into()))?.offset;
@@ -154,7 +155,7 @@ impl Chunk {
     }
 }
 
-/// What a page's header begins with: its type, its lengths before and after compression, and the checksum of its bytes.
+/// Start of a page's header: its type, its lengths before and after compression, and the checksum of its bytes.
 fn begun(kind: PageType, uncompressed: usize, data: &[u8]) -> Vec<u8> {
     let mut header = Vec::new();
     for number in [kind as i32, uncompressed as i32, data.len() as i32, crc32fast::hash(data) as i32] {

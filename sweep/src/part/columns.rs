@@ -1,4 +1,4 @@
-//! A study's table: its columns with their types, units and descriptions, and rows as Arrow batches of it.
+//! A study's table: columns with types, units and descriptions, and rows as its Arrow batches.
 
 use super::status_column::Statuses;
 use crate::error::Error;
@@ -18,7 +18,7 @@ pub fn field(name: &str, kind: DataType, nullable: bool, unit: &str, doc: &str) 
     Field::new(name, kind, nullable).with_metadata(HashMap::from(metadata))
 }
 
-/// The first column of every table: which row of the study it is.
+/// The first column of every table: the row's index in the study.
 pub fn row_number() -> Field {
     field("row", DataType::Int64, false, "1", "Number of the row in the design, from zero")
 }
@@ -49,7 +49,7 @@ pub fn batch(study: &Study, schema: &SchemaRef, rows: Rows, statuses: &mut Statu
     RecordBatch::try_new(schema.clone(), columns).map_err(|error| Error::arrow(&study.path, error))
 }
 
-/// Numbers, those that are none as nulls.
+/// Numbers, with nulls for non-finite ones.
 fn finite_or_null(values: Vec<f64>) -> Float64Array {
     let all = values.iter().fold(true, |all, value| all & value.is_finite());
     let valid = (!all).then(|| NullBuffer::from(BooleanBuffer::collect_bool(values.len(), |i| values[i].is_finite())));

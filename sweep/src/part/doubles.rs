@@ -1,6 +1,6 @@
-//! A column of doubles, byte-stream-split: of each page the first bytes of all values, then the second ones, and so on.
+//! A column of doubles, byte-stream-split: for each page the first bytes of all values, then the second ones, and so on.
 //!
-//! Values are split as they come, while they are in a core's cache, by the processor's widest instructions.
+//! Values are split as they arrive, while in a core's cache, with the processor's widest instructions.
 
 use super::chunk::{Chunk, Packer, Page};
 use super::encoding::PAGE;
@@ -15,27 +15,27 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Bytes of a double.
 const BYTES: usize = size_of::<f64>();
-/// Values that are split together: they stay in a core's nearest cache.
+/// Values split together: they fit into a core's first-level cache.
 const BLOCK: usize = 1 << 10;
 
-/// A column of doubles of one row group, as it is filled.
+/// A column of doubles of one row group under construction.
 pub struct Doubles {
     chunk: Chunk,
     is_nullable: bool,
-    /// The open page: the values' bytes of each place, with room for those of a whole page.
+    /// The open page: one stream for each byte of a value, with room for a whole page.
     split: Vec<u8>,
-    /// How many values it holds.
+    /// Number of values in it.
     values: usize,
-    /// Which of its rows have one.
+    /// Which of its rows have a value.
     valid: BooleanBufferBuilder,
-    /// Least and largest value, by [`order`].
+    /// Minimum and maximum, mapped by [`order`].
     extremes: [i64; 2],
     nulls: usize,
     present: Vec<f64>,
 }
 
 impl Doubles {
-    /// Without values.
+    /// Without values yet.
     pub fn new(column: ColumnDescPtr) -> Self {
         Self {
             is_nullable: column.max_def_level() > 0,
@@ -63,7 +63,7 @@ impl Doubles {
         Ok(())
     }
 
-    /// Adds values that the open page has room for.
+    /// Appends values that fit into the open page.
     fn append(&mut self, values: &Float64Array) {
         match values.nulls().filter(|nulls| nulls.null_count() > 0) {
             None => {
@@ -104,7 +104,7 @@ impl Doubles {
         Ok(())
     }
 
-    /// The column's bytes, and what its metadata says of them.
+    /// The column's bytes and its metadata.
     pub fn close(mut self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         if !self.valid.is_empty() {
             self.end_page(packer)?;
@@ -112,13 +112,13 @@ impl Doubles {
         let has_some = self.extremes[0] <= self.extremes[1];
         let [least, largest] = self.extremes.map(|key| has_some.then(|| f64::from_bits(order(key) as u64)));
         let statistics = ValueStatistics::new(least, largest, None, Some(self.nulls as u64), false);
-        // The order of doubles is that of their sign bits too.
+        // The order of doubles is also that of their signed bits.
         let statistics = statistics.with_nan_count(has_some.then_some(0)).with_backwards_compatible_min_max(true);
         self.chunk.close(packer, statistics.into())
     }
 }
 
-/// Definition levels of a page of which some rows are null: a run of equal ones, or a bit for each.
+/// Definition levels of a page with nulls: a run if all are equal, or one bit each.
 fn levels(valid: &mut BooleanBufferBuilder, nulls: usize) -> Vec<u8> {
     let rows = valid.len();
     let is_mixed = nulls > 0 && nulls < rows;
@@ -132,18 +132,18 @@ fn levels(valid: &mut BooleanBufferBuilder, nulls: usize) -> Vec<u8> {
     out
 }
 
-/// From the bits of a number that is none of NaN to an integer in the same order, and back.
+/// Maps the bits of a number other than NaN to an integer in the same order, and back.
 #[inline(always)]
 fn order(bits: i64) -> i64 {
     bits ^ ((bits >> 63) as u64 >> 1) as i64
 }
 
-/// Splits values into their bytes.
+/// Splits values into byte streams.
 struct Split<'a> {
     values: &'a [f64],
-    /// How many values are there already.
+    /// Number of values already in the page.
     begin: usize,
-    /// Room for the bytes of a page, those of each place together.
+    /// Room for the byte streams of a page.
     out: &'a mut [u8],
     extremes: &'a mut [i64; 2],
 }
@@ -151,7 +151,7 @@ struct Split<'a> {
 impl WithSimd for Split<'_> {
     type Output = ();
 
-    // Loops by index: what iterators compile to is not inlined into a function with more instructions than the crate's.
+    // Index loops: iterator code is not inlined into a function compiled for more instructions than the crate.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { values, begin, out, extremes } = self;

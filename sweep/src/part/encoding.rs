@@ -1,4 +1,4 @@
-//! How a table is encoded as Parquet: compression, row groups and pages, the encoding of each column, and the metadata.
+//! Encoding of a table as Parquet: compression, row groups and pages, the encoding of each column, and the metadata.
 
 use crate::design::Design;
 use crate::row::chunk::CHUNK;
@@ -10,20 +10,20 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPrope
 use parquet::schema::types::ColumnPath;
 use serde_json::{Map, Value, json};
 
-/// Rows of a row group: what a reader has to take at once, and what a writer keeps in memory.
+/// Rows per row group: what a reader must load at once, and a writer keeps in memory.
 pub const ROW_GROUP: usize = 1 << 17;
-/// Rows of a page: with as many, zstd tells the bytes of sign and exponent, of which something is to be saved, from the
-/// others' noise. On rows of a Latin hypercube: 2 % smaller than with 20 000 rows, in two thirds of the time.
+/// Rows per page: at this size, zstd separates the compressible bytes of sign and exponent from the noise of the others. On rows
+/// of a Latin hypercube: 2 % smaller than with 20 000 rows, in two thirds of the time.
 pub const PAGE: usize = 1 << 16;
-/// Fastest of zstd's levels: on 100 000 rows of a fitted study 1, 3 and 6 differ by 1 %.
+/// The fastest zstd level: on 100 000 rows of a fitted study 1, 3 and 6 differ by 1 %.
 const ZSTD_LEVEL: i32 = 1;
 
-/// How hard pages are compressed.
+/// Compression level of pages.
 pub fn zstd_level() -> ZstdLevel {
     ZstdLevel::try_new(ZSTD_LEVEL).unwrap_or_default()
 }
 
-/// How a part is encoded, with the study in its key-value metadata.
+/// Encoding of a part, with the study in its key-value metadata.
 pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -> WriterProperties {
     let units: Map<String, Value> =
         schema.fields().iter().map(|f| (f.name().clone(), json!(f.metadata()["unit"]))).collect();
@@ -41,7 +41,7 @@ pub fn properties(study: &Study, schema: &SchemaRef, extra: &[(&str, String)]) -
         .build()
 }
 
-/// How the columns of any such table are encoded, of which some may have few values.
+/// Encoding of the columns of any such table; those for which `is_discrete` is true have few different values.
 pub fn of_columns(schema: &Schema, is_discrete: impl Fn(&str) -> bool) -> WriterPropertiesBuilder {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(zstd_level()))
@@ -64,7 +64,7 @@ pub fn of_columns(schema: &Schema, is_discrete: impl Fn(&str) -> bool) -> Writer
     properties
 }
 
-/// Whether a column has few values, so that a dictionary serves it.
+/// Whether a column has few different values, so that a dictionary pays.
 fn is_discrete(study: &Study, name: &str) -> bool {
     let axes = study.design.axes().iter().zip(&study.varied);
     let factorial = matches!(study.design, Design::Factorial(_));

@@ -3,10 +3,10 @@
 //! | module | holds |
 //! |---|---|
 //! | [`columns`], `status_column` | the table: its columns, units and statuses |
-//! | `encoding` | how it is encoded as Parquet |
-//! | `chunk`, `doubles`, `texts` | the columns that are encoded here rather than by the Parquet library |
-//! | `new_file`, `reader` | one Parquet file, whole or not there; read back |
-//! | `pages`, `sink` | its pages' checksums; its hash, and the order of its statistics |
+//! | `encoding` | encoding as Parquet |
+//! | `chunk`, `doubles`, `texts` | the columns encoded here rather than by the Parquet library |
+//! | `new_file`, `reader` | writing one Parquet file atomically; reading it back |
+//! | `pages`, `sink` | page checksums; hashing, and the order of statistics |
 
 pub(crate) mod chunk;
 pub mod columns;
@@ -26,7 +26,7 @@ use arrow::record_batch::RecordBatch;
 use status_column::Statuses;
 use std::ops::Range;
 
-/// Some rows of a study as Arrow.
+/// Some rows of a study as an Arrow batch.
 pub fn batch(study: &Study, rows: Range<u64>) -> Result<RecordBatch, Error> {
     let rows = RowSolver::new(study).rows(rows)?;
     columns::batch(study, &columns::schema(study), rows, &mut Statuses::new(study))

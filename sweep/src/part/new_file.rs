@@ -1,6 +1,6 @@
-//! A Parquet file under a temporary name until it is whole: then synced, then renamed.
+//! A Parquet file with a temporary name until complete, then synced and renamed.
 //!
-//! A temporary file is locked while its writer lives. One that is not locked was left by a run that was killed.
+//! A temporary file is locked while its writer is alive. An unlocked one was left by a killed run.
 
 use super::chunk::Packer;
 use super::doubles::Doubles;
@@ -27,7 +27,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What a file holds, as far as can be said without its contents.
+/// Hash and length of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Digest {
     /// SHA-256 of its bytes, hexadecimal.
@@ -36,7 +36,7 @@ pub struct Digest {
     pub bytes: u64,
 }
 
-/// A file that is being written; removed when dropped before its end.
+/// A file being written; removed if dropped before its end.
 pub struct NewFile {
     path: PathBuf,
     temporary: Temporary,
@@ -44,21 +44,21 @@ pub struct NewFile {
     writer: SerializedFileWriter<Sink>,
     factory: ArrowRowGroupWriterFactory,
     collector: Arc<Collector>,
-    /// The columns of the row group that is open, and its rows.
+    /// The columns of the open row group, and its number of rows.
     group: Option<(Vec<Column>, usize)>,
     packer: Packer,
     groups: usize,
     rows_of_a_group: usize,
 }
 
-/// A column of the open row group: encoded here where that takes less time, else by the Parquet library.
+/// A column of the open row group: encoded here where that is faster, else by the Parquet library.
 enum Column {
     Doubles(Doubles),
     Texts(Texts),
     Other(Box<ArrowColumnWriter>),
 }
 
-/// A file in a staging folder: no longer there when dropped, unless it was moved to its place.
+/// A file in a staging folder: deleted when dropped, unless it was moved to its destination.
 struct Temporary(PathBuf);
 
 impl Drop for Temporary {
@@ -68,7 +68,7 @@ impl Drop for Temporary {
 }
 
 impl NewFile {
-    /// Begins the file that is to be at `path`; until it is whole it is in the staging folder.
+    /// Begins the file that is to become `path`; until complete it is in the staging folder.
     pub fn create(
         staging: &Path,
         path: &Path,
@@ -78,7 +78,7 @@ impl NewFile {
         let failed = |source| Error::Write { path: path.to_owned(), source };
         let temporary = Temporary(temporary(staging, path));
         let file = File::create_new(&temporary.0).map_err(failed)?;
-        // Some file systems know no locks; their files are written all the same, and never taken for left behind.
+        // Some file systems have no locks; their files are written anyway, and never regarded as left behind.
         let _ = file.lock();
         let writing = |error| Error::writing(path, error);
         let rows_of_a_group = properties.max_row_group_row_count().unwrap_or(usize::MAX);
@@ -141,7 +141,7 @@ impl NewFile {
         self.writer.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
     }
 
-    /// Ends the file's contents.
+    /// Completes the file's contents.
     pub fn end(mut self) -> Result<Ended, Error> {
         self.end_group().map_err(|error| Error::writing(&self.path, error))?;
         self.writer.flush().map_err(|source| Error::Write { path: self.path.clone(), source })?;
@@ -153,7 +153,7 @@ impl NewFile {
     }
 }
 
-/// The columns of a row group, empty.
+/// The columns of a new row group.
 fn columns(
     writer: &SerializedFileWriter<Sink>,
     factory: &ArrowRowGroupWriterFactory,
@@ -182,7 +182,7 @@ impl Column {
         }
     }
 
-    /// Its bytes, and what its metadata says of them. The library's writer has put its pages where they are collected.
+    /// The column's bytes and its metadata. The pages of the library's writer come from the collector.
     fn close(self, packer: &mut Packer, pages: &Pages) -> Result<(Pieces, ColumnCloseResult), ParquetError> {
         match self {
             Column::Doubles(column) => column.close(packer),
@@ -192,7 +192,7 @@ impl Column {
     }
 }
 
-/// A file that has all its contents, but not yet its own name; removed when dropped before it got that.
+/// A complete file without its final name; removed if dropped before it is published.
 #[must_use]
 pub struct Ended {
     path: PathBuf,
@@ -207,26 +207,25 @@ impl Ended {
         &self.digest
     }
 
-    /// Makes the file last under its own name in a store. Waits for that.
+    /// Publishes the file durably under its own name in a store, and waits for that.
     pub fn publish(self, store: &dyn Store, name: &str) -> Result<(), Error> {
         let published = store.publish(&self.file, &self.temporary.0, name);
         published.map_err(|source| Error::Write { path: self.path, source })
     }
 }
 
-/// Lets the C library keep freed memory for the next pages instead of giving it back to the system after each one, which
-/// costs more than the pages' compression. glibc keeps blocks up to twice the size of the largest one that it has seen
-/// freed, up to 32 MiB; others take no notice.
+/// Makes the C library keep freed memory for the next pages; returning it to the system after each one costs more than the pages'
+/// compression. glibc keeps blocks up to twice the largest one it has seen freed, up to 32 MiB; other libraries ignore this.
 pub fn keep_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }
 
-/// A name in a folder that no other file has.
+/// A unique file name in a folder.
 fn temporary(folder: &Path, path: &Path) -> PathBuf {
     use std::sync::atomic::{AtomicU64, Ordering};
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // The clock tells apart processes of the same number on different machines.
+    // The clock distinguishes processes with the same id on different machines.
     let clock = std::time::UNIX_EPOCH.elapsed().map_or(0, |since| since.subsec_nanos());
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     folder.join(format!(".{name}.{}-{clock:x}-{count}{TEMPORARY}", std::process::id()))
@@ -244,7 +243,7 @@ mod tests {
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
     use parquet::file::metadata::ParquetMetaDataReader;
 
-    /// Doubles, doubles of which some are null, and texts; with so many different texts.
+    /// A column of doubles, one of doubles with nulls, and one of texts with this many different texts.
     fn table(rows: usize, is_null: impl Fn(usize) -> bool, texts: usize) -> RecordBatch {
         let number = |i: usize| match mix(1, i as u64) {
             bits if bits.is_multiple_of(50) => -0.0,

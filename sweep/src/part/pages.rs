@@ -1,8 +1,8 @@
-//! Pages with checksums: the CRC-32 of each page's bytes stands in its header, so that readers find a damaged page
-//! (pyarrow's `page_checksum_verification`, Spark, DuckDB).
+//! Pages with checksums: each page's header contains the CRC-32 of its bytes, so that readers detect a damaged page (pyarrow's
+//! `page_checksum_verification`, Spark, DuckDB).
 //!
-//! The Parquet library writes headers without it. A column's pages are collected as it makes them, each header followed
-//! by its data; the checksum is put into the header, and the column's places and lengths follow.
+//! The Parquet library writes headers without it. A column's pages are collected as they are made, each header followed by its
+//! data; the checksum is inserted into the header, and the column's offsets and lengths are adjusted.
 //! Header: <https://github.com/apache/parquet-format/blob/master/src/main/thrift/parquet.thrift>, `PageHeader`, field 4.
 
 use bytes::{Buf, Bytes};
@@ -15,15 +15,15 @@ use std::collections::VecDeque;
 use std::io::{self, Read};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Pages of one column, header and data in turn.
+/// Pages of one column, header and data alternating.
 pub type Pages = Arc<Mutex<Vec<Bytes>>>;
 
-/// Makes a collection for each column, and keeps hold of them.
+/// Creates a collection for each column, and keeps a handle to it.
 #[derive(Debug, Default)]
 pub struct Collector(Mutex<Vec<Pages>>);
 
 impl Collector {
-    /// The collections since the last call, in the order of the columns.
+    /// The collections since the last call, in column order.
     pub fn take(&self) -> Vec<Pages> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -37,7 +37,7 @@ impl PageStoreFactory for Collector {
     }
 }
 
-/// The pages of one column, as the Parquet library stores them.
+/// The pages of one column, as stored by the Parquet library.
 struct ColumnPages(Pages);
 
 impl PageStore for ColumnPages {
@@ -52,7 +52,7 @@ impl PageStore for ColumnPages {
     }
 }
 
-/// The bytes of a column chunk in the pieces in which they were made: of each page its header and its data.
+/// The bytes of a column chunk in the pieces they were made in: header and data of each page.
 #[derive(Clone, Default)]
 pub struct Pieces(VecDeque<Bytes>);
 
@@ -62,7 +62,7 @@ impl Pieces {
         self.0.extend([header.into(), data.into()]);
     }
 
-    /// How many bytes they are together.
+    /// Total number of bytes.
     pub fn length(&self) -> usize {
         self.0.iter().map(Bytes::len).sum()
     }
@@ -86,7 +86,7 @@ impl Length for Pieces {
     }
 }
 
-/// As the library takes a column chunk: from its beginning on, which is at 0.
+/// The form in which the library takes a column chunk: read from its beginning, at 0.
 impl ChunkReader for Pieces {
     type T = Self;
 
@@ -99,14 +99,14 @@ impl ChunkReader for Pieces {
     }
 }
 
-/// A column chunk's bytes with a checksum in each page's header, and what its metadata says of them then.
+/// A column chunk's bytes with a checksum in each page's header, and its adjusted metadata.
 ///
 /// # Errors
-/// The library made a header that is not of the known form.
+/// The library made a header of unknown form.
 pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Pieces, ColumnCloseResult)> {
     let pages = std::mem::take(&mut *pages.lock().unwrap_or_else(PoisonError::into_inner));
     let (pairs, _) = pages.as_chunks::<2>();
-    // The dictionary is made last and stands first.
+    // The dictionary is made last but comes first in the file.
     let (dictionary, data): (Vec<_>, Vec<_>) = pairs.iter().partition(|[header, _]| header.get(1) == Some(&DICTIONARY));
     let mut out = Pieces::default();
     let mut append = |[header, data]: &[Bytes; 2]| -> Result<(usize, usize)> {
@@ -146,12 +146,12 @@ pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Pie
     Ok((out, close))
 }
 
-/// Second byte of a dictionary page's header: its type, 2, in zigzag.
+/// Second byte of a dictionary page's header: its type, 2, zigzag-encoded.
 const DICTIONARY: u8 = 4;
-/// First byte of a number in Thrift's compact protocol, one field after the last: `1 << 4 | i32`.
+/// First byte of an i32 in Thrift's compact protocol, one field after the previous: `1 << 4 | i32`.
 const NEXT_I32: u8 = 0x15;
 
-/// Adds a number of as many bytes as it takes, seven bits in each.
+/// Appends a varint: seven bits per byte.
 pub fn put_varint(mut number: usize, out: &mut Vec<u8>) {
     while number >= 0x80 {
         out.push(number as u8 | 0x80);
@@ -160,13 +160,13 @@ pub fn put_varint(mut number: usize, out: &mut Vec<u8>) {
     out.push(number as u8);
 }
 
-/// Adds a number to a structure in Thrift's compact protocol, as the field after the last.
+/// Appends an i32 to a structure in Thrift's compact protocol, as the next field.
 pub fn put_i32(number: i32, out: &mut Vec<u8>) {
     out.push(NEXT_I32);
     put_varint(((number << 1) ^ (number >> 31)) as u32 as usize, out);
 }
 
-/// The header with the checksum as its field 4, after its fields 1 to 3.
+/// The header with the checksum inserted as field 4, after fields 1 to 3.
 fn with_checksum(header: &[u8], checksum: u32) -> Result<Vec<u8>> {
     let unknown = || ParquetError::General("the Parquet library made a page header of unknown form".into());
     let mut at = 0;
@@ -180,7 +180,7 @@ fn with_checksum(header: &[u8], checksum: u32) -> Result<Vec<u8>> {
     let next = *header.get(at).filter(|next| **next >> 4 >= 2).ok_or_else(unknown)?;
     let mut out = header[..at].to_vec();
     put_i32(checksum as i32, &mut out);
-    // The next field counts from this one.
+    // The next field's number is relative to this one's.
     out.push(next - (1 << 4));
     out.extend_from_slice(&header[at + 1..]);
     Ok(out)

@@ -1,4 +1,4 @@
-//! The rows of a part, read back from its file.
+//! Reads the rows of a part back from its file.
 
 use crate::error::Error;
 use crate::row::chunk::CHUNK;
@@ -8,7 +8,7 @@ use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchR
 use std::fs::File;
 use std::path::Path;
 
-/// The rows of a part's file after the first `skipped`; of the columns of those names, or all.
+/// The rows of a part's file after the first `skipped`, with the named columns or all.
 pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<ParquetRecordBatchReader, Error> {
     let file = File::open(path).map_err(Error::reading(path))?;
     let parquet = Error::parquet(path);
@@ -22,7 +22,7 @@ pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<Parquet
     builder.with_batch_size(CHUNK as usize).build().map_err(parquet)
 }
 
-/// A column's numbers, NaN for a null.
+/// A column's numbers, with NaN for nulls.
 pub fn numbers(column: &Float64Array) -> Vec<f64> {
     match column.null_count() {
         0 => column.values().to_vec(),

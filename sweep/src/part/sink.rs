@@ -1,28 +1,29 @@
-//! Where a Parquet file's bytes go: to the disk, hashed on the way, its footer mended before its last bytes.
+//! Destination of a Parquet file's bytes: written to disk and hashed on the way, with a corrected footer.
 //!
-//! The Parquet library orders floating-point statistics by IEEE 754's total order, which readers of today do not know:
-//! pyarrow 25 and others then read every row group whatever is asked for. No column holds NaN (nulls stand there), so
-//! that the order is also the one that a type has by itself, and the footer says so.
+//! The Parquet library orders floating-point statistics by IEEE 754's total order, which current readers do not know: pyarrow 25
+//! and others then read every row group regardless of the filter. No column contains NaN (nulls are used instead), so this order
+//! equals the type's own order, and the footer states the latter.
 
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
-/// Bytes that are written together: the Parquet library hands columns over in small pieces.
+/// Bytes written together: the Parquet library passes columns in small pieces.
 const BUFFER: usize = 1 << 18;
-/// An element of the footer's list of column orders in Thrift's compact protocol: its field 1, an empty structure.
+/// An element of the footer's list of column orders in Thrift's compact protocol, for the type's own order: field 1, an empty
+/// structure.
 const BY_TYPE: [u8; 3] = [0x1c, 0, 0];
-/// The same with field 2: IEEE 754's total order.
+/// The same for IEEE 754's total order: field 2.
 const TOTAL: [u8; 3] = [0x2c, 0, 0];
-/// Length of the footer's length, and of the file's last word.
+/// Bytes of the footer's length and the file's magic number.
 const TRAILER: usize = 8;
 
-/// A file that is being written.
+/// A file being written.
 pub struct Sink {
     file: BufWriter<File>,
     hash: Sha256,
     bytes: u64,
-    /// From when on it is kept: the footer.
+    /// The footer, held back from when it begins.
     held: Option<Vec<u8>>,
 }
 
@@ -32,15 +33,15 @@ impl Sink {
         Self { file: BufWriter::with_capacity(BUFFER, file), hash: Sha256::new(), bytes: 0, held: None }
     }
 
-    /// Keeps what comes from now on: the footer of that many columns is to be written.
+    /// Holds back the bytes from here on, which are the footer.
     pub fn hold(&mut self) {
         self.held = Some(Vec::new());
     }
 
-    /// Ends the file: its SHA-256 as hexadecimal digits, its length, and the file, not yet synced.
+    /// Ends the file: returns its SHA-256 in hexadecimal digits, its length, and the file, not yet synced.
     ///
     /// # Errors
-    /// It cannot be written, or the footer has not the known form.
+    /// It cannot be written, or the footer has an unknown form.
     pub fn finish(mut self, columns: usize) -> io::Result<(String, u64, File)> {
         if let Some(mut footer) = self.held.take() {
             order_by_type(&mut footer, columns)
@@ -73,7 +74,7 @@ impl Write for Sink {
     }
 }
 
-/// Says of each column that its statistics follow the order of its type. The orders are the last of the footer's fields.
+/// Marks each column's statistics as ordered by its type. The orders are the last field of the footer.
 fn order_by_type(footer: &mut [u8], columns: usize) -> Option<()> {
     let end = footer.len().checked_sub(TRAILER + 1)?;
     let orders = footer.get_mut(end.checked_sub(3 * columns)?..end)?;

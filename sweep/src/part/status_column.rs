@@ -1,4 +1,4 @@
-//! The status column: the text of each status, and how many rows have it.
+//! The status column: the text of each status, and its number of rows.
 
 use crate::result::status::Status;
 use crate::study::Study;
@@ -8,31 +8,31 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How many rows ended with each status.
+/// Number of rows with each status.
 pub type StatusCounts = BTreeMap<String, u64>;
 
-/// Beginnings of the statuses of rows without results.
+/// Prefixes of the statuses of rows without results.
 const FAILED: &str = "failed: ";
 const LEFT_OUT: &str = "left_out: ";
 
-/// Why a row failed, from its status as text, if it did.
+/// Why a row failed, from the text of its status; `None` if it did not.
 pub fn failure(status: &str) -> Option<&str> {
     status.strip_prefix(FAILED)
 }
 
-/// Whether a row of that status, as text, has results.
+/// Whether a row has results, from the text of its status.
 pub fn has_results(status: &str) -> bool {
     !status.starts_with(FAILED) && !status.starts_with(LEFT_OUT)
 }
 
-/// Adds how many further rows ended with each status.
+/// Adds further counts of rows by status.
 pub fn add_counts(total: &mut StatusCounts, further: &StatusCounts) {
     for (status, count) in further {
         *total.entry(status.clone()).or_default() += count;
     }
 }
 
-/// A status as the column has it.
+/// Text of a status in the column.
 pub fn text(status: Status, study: &Study) -> Cow<'static, str> {
     match status {
         Status::Ok => "ok".into(),
@@ -51,19 +51,19 @@ pub fn of_text(study: &Study, found: &str) -> Option<Status> {
     [Status::Ok, Status::NotSettled, Status::NoTimeConstant].into_iter().find(|status| text(*status, study) == found)
 }
 
-/// Each status that came up, in order, with the number of its rows.
+/// The statuses encountered, in order, with their numbers of rows.
 pub struct Statuses<'a> {
     study: &'a Study,
     met: Vec<(Status, u64)>,
 }
 
 impl<'a> Statuses<'a> {
-    /// Begins without statuses.
+    /// Without statuses yet.
     pub fn new(study: &'a Study) -> Self {
         Self { study, met: Vec::new() }
     }
 
-    /// Counts rows that ended alike, and tells the place of their status.
+    /// Counts rows with the same status, and returns its index.
     fn count(&mut self, row: Status, rows: usize) -> usize {
         let met = &mut self.met;
         let place = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
@@ -74,14 +74,14 @@ impl<'a> Statuses<'a> {
         place
     }
 
-    /// Counts some rows: neighbours mostly end alike.
+    /// Counts rows; adjacent ones mostly have the same status.
     pub fn count_all(&mut self, rows: &[Status]) {
         rows.chunk_by(|a, b| a == b).for_each(|run| {
             self.count(run[0], run.len());
         });
     }
 
-    /// Counts some rows, and makes their status column.
+    /// Counts rows, and makes their status column.
     pub fn column(&mut self, rows: &[Status]) -> DictionaryArray<Int32Type> {
         let mut keys = Vec::with_capacity(rows.len());
         for run in rows.chunk_by(|a, b| a == b) {
@@ -92,7 +92,7 @@ impl<'a> Statuses<'a> {
         DictionaryArray::new(keys, Arc::new(texts))
     }
 
-    /// How many rows ended with each status.
+    /// Number of rows with each status.
     pub fn counts(&self) -> StatusCounts {
         self.met.iter().map(|(status, count)| (text(*status, self.study).into_owned(), *count)).collect()
     }

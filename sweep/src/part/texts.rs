@@ -1,4 +1,4 @@
-//! A column of a few texts: a dictionary, and of each row its place there, in as many bits as that takes.
+//! A column of few different texts: a dictionary, and each row's index in it, with the minimum number of bits.
 
 use super::chunk::{Chunk, Packer, Page};
 use super::encoding::PAGE;
@@ -12,26 +12,26 @@ use parquet::errors::{ParquetError, Result};
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescPtr;
 
-/// A column of texts of one row group, as it is filled.
+/// A column of texts of one row group under construction.
 pub struct Texts {
     chunk: Chunk,
-    /// The texts that came up, in order.
+    /// The texts encountered, in order.
     dictionary: Vec<String>,
-    /// Which of them each row has.
+    /// Each row's index in it.
     rows: Vec<u16>,
 }
 
 impl Texts {
-    /// Without rows.
+    /// Without rows yet.
     pub fn new(column: ColumnDescPtr) -> Self {
         Self { chunk: Chunk::new(column, Encoding::RLE_DICTIONARY), dictionary: Vec::new(), rows: Vec::new() }
     }
 
-    /// Adds rows. None of them is null.
+    /// Adds rows, none of them null.
     pub fn write(&mut self, rows: &DictionaryArray<Int32Type>) -> Result<()> {
         let texts = rows.values().as_any().downcast_ref::<StringArray>();
         let texts = texts.ok_or_else(|| ParquetError::General("a dictionary of something else than texts".into()))?;
-        // Of each key the place here, once it came up.
+        // For each key its index here, once encountered.
         let mut places: Vec<Option<u16>> = vec![None; texts.len()];
         self.rows.reserve(rows.len());
         for key in rows.keys().values() {
@@ -49,7 +49,7 @@ impl Texts {
         }) as u16
     }
 
-    /// The column's bytes, and what its metadata says of them.
+    /// The column's bytes and its metadata.
     pub fn close(self, packer: &mut Packer) -> Result<(Pieces, ColumnCloseResult)> {
         let Self { mut chunk, dictionary, rows } = self;
         let mut texts = Vec::new();
@@ -70,7 +70,7 @@ impl Texts {
     }
 }
 
-/// Adds small numbers of so many bits each, by eights.
+/// Appends small numbers of this many bits each, in groups of eight.
 fn put_packed(numbers: &[u16], bits: usize, out: &mut Vec<u8>) {
     put_varint(numbers.len().div_ceil(8) << 1 | 1, out);
     for eight in numbers.chunks(8) {

@@ -21,7 +21,7 @@ pub enum Scale {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Axis {
-    /// A list of values, each a level.
+    /// A list of values, each of which is a level.
     Values {
         /// In the order of the study file.
         values: Vec<f64>,
@@ -43,8 +43,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Number of levels in a factorial design; a range needs a count for it, a distribution has
-    /// none.
+    /// Number of levels in a factorial design; `None` for a range without a count, and for a distribution.
     pub fn levels(&self) -> Option<u64> {
         match self {
             Axis::Values { values } => Some(values.len() as u64),
@@ -53,7 +52,7 @@ impl Axis {
         }
     }
 
-    /// The value at a level of a factorial design, counted from zero. The ends of a range are met exactly.
+    /// The value at a level of a factorial design, counted from zero. Includes the ends of a range exactly.
     pub fn level(&self, level: u64) -> f64 {
         match *self {
             Axis::Values { ref values } => values[level as usize],
@@ -71,8 +70,7 @@ impl Axis {
         }
     }
 
-    /// Puts values in place of shares in [0, 1) of the axis: of a range's length, of the values in equal shares, or of a
-    /// distribution's probability.
+    /// Maps fractions in [0, 1) to values: along a range, over the values in equal shares, or as probabilities of a distribution.
     pub fn place(&self, shares: &mut [f64]) {
         match *self {
             Axis::Values { ref values } => {
@@ -88,7 +86,7 @@ impl Axis {
         }
     }
 
-    /// The least and the largest value.
+    /// Minimum and maximum.
     pub fn bounds(&self) -> RangeInclusive<f64> {
         match *self {
             Axis::Values { ref values } => {
@@ -105,12 +103,12 @@ impl Axis {
     }
 }
 
-/// From a share of a range to its value.
+/// Maps a fraction of a range to its value.
 struct Between {
     from: f64,
     to: f64,
     scale: Scale,
-    /// What the share is a share of: the values, or their logarithms.
+    /// Start and length of the range of the values, or of their logarithms.
     begin: f64,
     length: f64,
 }
@@ -132,7 +130,7 @@ impl Between {
     }
 }
 
-/// Values in place of shares, several at a time.
+/// Maps fractions to values, several at a time.
 struct PlaceInLanes<'a> {
     between: Between,
     shares: &'a mut [f64],

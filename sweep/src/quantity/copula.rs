@@ -1,19 +1,19 @@
-//! Correlated quantities: a Gaussian copula, which gives shares of their probabilities the correlations of normal
-//! variables and leaves each one's distribution as it is.
+//! Correlated quantities: a Gaussian copula, which gives their probabilities the correlations of normal variables and leaves each
+//! quantity's distribution unchanged.
 //!
-//! With u uniform and independent, z = F Φ⁻¹(u) is normal with the correlations F Fᵀ, and Φ(z) is uniform again. F is made
-//! of the eigenvectors, the largest eigenvalue first, so that the first dimension of a low-discrepancy sequence, its best,
-//! carries most of what varies; correlations of one are as good as any.
+//! With u uniform and independent, z = F Φ⁻¹(u) is normal with the correlations F Fᵀ, and Φ(z) is uniform again. F is made of the
+//! eigenvectors, the largest eigenvalue first, so that the first and best dimension of a low-discrepancy sequence carries most of
+//! the variation; correlations of one are allowed.
 
 use super::distribution::{normal, normal_quantile};
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Rounding that correlations may carry, as an eigenvalue below zero.
+/// Rounding tolerance of correlations, as an eigenvalue below zero.
 const ROUNDING: f64 = 1e-6;
-/// Shares are kept from 0 and 1, which have no finite normal variable.
+/// Probabilities are kept away from 0 and 1, which have no finite normal variable.
 const TAIL: f64 = 1.0 / (1u64 << 53) as f64;
 
-/// The correlations between the shares of some columns.
+/// The correlations between the probabilities of some columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Copula {
     columns: Vec<usize>,
@@ -22,7 +22,7 @@ pub struct Copula {
 }
 
 impl Copula {
-    /// Of those columns, with those correlations; `None` where they contradict each other.
+    /// Copula of these columns with these correlations; `None` if they contradict each other.
     pub fn new(columns: Vec<usize>, correlation: &DMatrix<f64>) -> Option<Self> {
         let eigen = SymmetricEigen::new(correlation.clone());
         let mut order: Vec<usize> = (0..columns.len()).collect();
@@ -36,7 +36,7 @@ impl Copula {
         Some(Self { columns, correlation: correlation.clone(), factor })
     }
 
-    /// Numbers of the correlated columns.
+    /// Indices of the correlated columns.
     pub fn columns(&self) -> &[usize] {
         &self.columns
     }
@@ -52,7 +52,7 @@ impl Copula {
         (0..n).any(|i| (0..i).any(|j| self.correlation[(i, j)] != 0.0))
     }
 
-    /// Puts correlated shares in place of independent ones.
+    /// Replaces independent probabilities with correlated ones.
     pub fn apply(&self, shares: &mut [Vec<f64>]) {
         if !self.is_correlated() {
             return;

@@ -1,5 +1,5 @@
-//! The distribution of a quantity whose value is not known exactly, by its quantile function: from a share of its
-//! probability to its value, so that every sampled design draws from it.
+//! The distribution of an uncertain quantity, by its quantile function: it maps a probability to a value, so that every sampled
+//! design can draw from it.
 //!
 //! The standard normal and the triangular distribution are those of `statrs`. A truncated normal or log-normal
 //! distribution keeps its shape between its limits: z = Φ⁻¹(Φ(a) + u (Φ(b) − Φ(a))).
@@ -8,65 +8,65 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, Triangular};
 use std::ops::RangeInclusive;
 
-/// Probability beyond the least and the greatest value that is drawn, where a distribution has no end: 8.2 standard
-/// deviations of a normal one, the most that a double's share of one resolves.
+/// Probability in each tail beyond the extreme values drawn, for an unbounded distribution: 8.2 standard deviations of a normal
+/// one, the limit of a double's resolution near one.
 const TAIL: f64 = 1.0 / (1u64 << 53) as f64;
-/// Probability between the limits of a truncated distribution at least: below it, digits are lost.
+/// Minimum probability between the limits of a truncated distribution: below it, digits are lost.
 const LEAST_MASS: f64 = 1e-9;
 
 /// A distribution of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "distribution", rename_all = "kebab-case")]
 pub enum Distribution {
-    /// Normal, truncated where it has limits.
+    /// Normal, truncated at its limits, if any.
     Normal {
-        /// Mean of the distribution before it is truncated.
+        /// Mean before truncation.
         mean: f64,
-        /// Its standard deviation.
+        /// Standard deviation before truncation.
         sd: f64,
-        /// Where it is truncated.
+        /// Truncation limits.
         #[serde(flatten)]
         limits: Limits,
     },
-    /// The logarithm is normal; truncated where it has limits.
+    /// Log-normal, truncated at its limits, if any.
     LogNormal {
-        /// Median of the distribution before it is truncated.
+        /// Median before truncation.
         median: f64,
         /// Standard deviation of the natural logarithm.
         sd_log: f64,
-        /// Where it is truncated.
+        /// Truncation limits.
         #[serde(flatten)]
         limits: Limits,
     },
     /// Density that rises linearly from `from` to `mode` and falls linearly to `to`.
     Triangular {
-        /// The least value.
+        /// Minimum.
         from: f64,
         /// The most probable value.
         mode: f64,
-        /// The greatest value.
+        /// Maximum.
         to: f64,
     },
-    /// Measured values: between two neighbours in order every value is as probable as any other.
+    /// Measured values: uniform density between neighbouring values, each interval equally probable.
     Empirical {
         /// The measured values, ascending.
         values: Vec<f64>,
     },
 }
 
-/// Where a distribution is truncated, if it is.
+/// Truncation limits of a distribution, if any.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Limits {
-    /// The least value.
+    /// Minimum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
-    /// The greatest value.
+    /// Maximum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
 }
 
 impl Distribution {
-    /// Why there is no such distribution, if there is none: "has an `sd` of 0: …".
+    /// Why the distribution is invalid, if it is: "has an `sd` of 0: …".
     pub fn problem(&self) -> Option<String> {
         match self {
             Distribution::Normal { sd, .. } if *sd <= 0.0 => Some(format!("has an `sd` of {sd}: it has to be above 0")),
@@ -96,8 +96,7 @@ impl Distribution {
         }
     }
 
-    /// The value below which that share of the probability lies. Shares of 0 and 1 are taken as the nearest ones that
-    /// have a value.
+    /// The quantile at a probability. Probabilities of 0 and 1 are replaced by the nearest ones with a finite value.
     pub fn quantile(&self, share: f64) -> f64 {
         let share = share.clamp(TAIL, 1.0 - TAIL);
         match self {
@@ -118,7 +117,7 @@ impl Distribution {
         }
     }
 
-    /// The least and the greatest value that are drawn.
+    /// Smallest and largest value drawn.
     pub fn bounds(&self) -> RangeInclusive<f64> {
         self.quantile(0.0)..=self.quantile(1.0)
     }
@@ -135,7 +134,7 @@ impl Distribution {
         }
     }
 
-    /// Quantile of the standard normal variable between its limits, from whichever tail keeps the digits.
+    /// Quantile of the standard normal variable between its limits, computed from the tail that preserves the digits.
     fn standard_quantile(&self, share: f64) -> f64 {
         let [a, b] = self.standard_limits();
         let between = |a: f64, b: f64, share: f64| normal_quantile(normal(a) * (1.0 - share) + normal(b) * share);
@@ -160,7 +159,7 @@ pub fn normal(x: f64) -> f64 {
     Normal::standard().cdf(x)
 }
 
-/// The value that a standard normal variable is below with that probability.
+/// The standard normal quantile of a probability.
 pub fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)
 }
@@ -193,7 +192,7 @@ mod tests {
                 8.0 / 3.0,
                 (1.0 + 4.0 + 25.0 - 2.0 - 5.0 - 10.0) / 18.0,
             ),
-            // Between the values each piece is uniform: means 1.5 and 4, variances 1/12 and 4²/12, one half each.
+            // The pieces between the values are uniform: means 1.5 and 4, variances 1/12 and 4²/12, probability one half each.
             (Distribution::Empirical { values: vec![1.0, 2.0, 6.0] }, 2.75, 17.0 / 24.0 + 1.25 * 1.25),
             // Half a normal distribution: mean √(2/π), variance 1 − 2/π.
             (

@@ -1,12 +1,12 @@
-//! Every number of a model and of its test that a study can vary: dotted name, unit, the values that make sense.
+//! Every number of a model and of its test that a study can vary: dotted name, unit, allowed values.
 //!
-//! Effects' parameters follow from their cards, so that an effect added to `chamber` can be swept at once.
+//! Effects' parameters derive from their cards, so that an effect added to `chamber` can be swept at once.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`point`] | a value for each of them |
-//! | [`axis`], [`distribution`] | the values a quantity takes, or how probable they are |
-//! | `copula`, [`uncertain`] | correlated quantities; a model's parameters as known |
+//! | [`point`] | a value for every quantity |
+//! | [`axis`], [`distribution`] | values of a quantity, or their probabilities |
+//! | `copula`, [`uncertain`] | correlated quantities; uncertain parameters of a model |
 
 pub mod axis;
 pub(crate) mod copula;
@@ -23,7 +23,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
-/// The numbers of the model and of the test that do not belong to an effect; places in a [`Point`](crate::quantity::point::Point).
+/// The numbers of the model and of the test that belong to no effect; indices in a [`Point`](crate::quantity::point::Point).
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
@@ -52,24 +52,24 @@ pub enum Base {
     VolumeToAreaByLength,
 }
 
-/// How many [`Base`] numbers there are: the effects' parameters follow.
+/// Number of [`Base`] quantities; the effects' parameters follow them.
 pub(crate) const BASE: usize = Base::VolumeToAreaByLength as usize + 1;
-/// How many quantities there are.
+/// Number of quantities.
 pub const COUNT: usize = BASE + PARAMETERS;
 
-/// Values that a quantity may take.
+/// Allowed values of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Allowed {
     /// Greater than this.
     Above(f64),
-    /// This or more.
+    /// At least this.
     AtLeast(f64),
     /// Within these bounds.
     Within(RangeInclusive<f64>),
 }
 
 impl Allowed {
-    /// Whether a value may be taken; never NaN or infinite.
+    /// Whether a value is allowed; NaN and infinity never are.
     pub fn contains(&self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -80,7 +80,7 @@ impl Allowed {
     }
 }
 
-/// What a rig or a model may hold, so that bar, millimetres and degrees Celsius are noticed in a study too.
+/// Bounds as in a rig or model, so that bar, millimetres and degrees Celsius are detected in a study too.
 const fn within(bounds: &Bounds) -> Allowed {
     match bounds {
         Bounds::Within(range, _) => Allowed::Within(*range.start()..=*range.end()),
@@ -103,15 +103,15 @@ impl fmt::Display for Allowed {
 pub struct Quantity {
     /// Dotted name: `chamber.bore_m`.
     pub name: String,
-    /// Unit as people write it.
+    /// Unit, for display.
     pub unit: &'static str,
-    /// Values that it may take; others are refused.
+    /// Allowed values; others are refused.
     pub allowed: Allowed,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
 }
 
-/// Every quantity, at its place in a [`Point`](crate::quantity::point::Point).
+/// Every quantity, at its index in a [`Point`](crate::quantity::point::Point).
 pub fn all() -> &'static [Quantity] {
     static ALL: LazyLock<Vec<Quantity>> = LazyLock::new(|| {
         let mut list: Vec<Quantity> = BASE_LIST
@@ -137,7 +137,7 @@ pub fn all() -> &'static [Quantity] {
 }
 
 use Allowed::{Above, AtLeast, Within};
-/// A stroke can be zero where there is a dead volume.
+/// A stroke may be zero if there is a dead volume.
 const STROKE: Allowed = Within(0.0..=100.0);
 #[rustfmt::skip]
 const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
@@ -165,17 +165,17 @@ const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
     (Base::VolumeToAreaByLength, "volume_to_area_by_length_m", "m", Above(0.0), "Gas volume over heat transfer area at the final stroke; both strokes are solved for in their proportion, the bore stays"),
 ];
 
-/// Whether the quantity at that place is of no meaning here, where no stroke is recorded.
+/// Whether the quantity at that index is meaningless here, where no stroke is recorded.
 pub fn is_of_recorded_stroke(place: usize) -> bool {
     effect_of(place).is_some_and(|(effect, _)| effects::of_recorded_stroke().has(effect))
 }
 
-/// Whether the quantity at that place belongs to what a table is of, which a study cannot vary.
+/// Whether the quantity at that index is part of a table, which a study cannot vary.
 pub fn is_of_table(place: usize) -> bool {
     effect_of(place).is_some_and(|(effect, parameter)| !effects::CARDS[effect].parameters[parameter].is_variable())
 }
 
-/// Whether the quantity at that place is an entry of a list which the effect does not have at these values.
+/// Whether the quantity at that index is a list entry that the effect does not use at these values.
 pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
     let Some((effect, parameter)) = effect_of(place) else { return false };
     let card = &effects::CARDS[effect];
@@ -185,12 +185,12 @@ pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
     }
 }
 
-/// Which of all effects' parameters the quantity at that place is, if it is one.
+/// Index among all effects' parameters of the quantity at that index, if it is one.
 pub fn parameter(place: usize) -> Option<usize> {
     place.checked_sub(BASE)
 }
 
-/// The effect that the quantity at that place belongs to, and its place on the effect's card.
+/// The effect of the quantity at that index, and the parameter's index on the effect's card.
 pub fn effect_of(place: usize) -> Option<(usize, usize)> {
     let parameter = parameter(place)?;
     let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;

@@ -4,15 +4,15 @@ use super::{BASE, Base, COUNT};
 use chamber::{Chamber, Gas, Geometry, HeatTransfer};
 use records::Model;
 
-/// A value for every quantity: what one row of a study stands for. NaN where a quantity is not given.
+/// A value for every quantity, which defines one row of a study. NaN where a quantity is not given.
 #[derive(Clone, Copy, Debug)]
 pub struct Point(pub [f64; COUNT]);
 
 impl Point {
-    /// A point without any quantity: all are NaN.
+    /// A point without values: all are NaN.
     pub const EMPTY: Point = Point([f64::NAN; COUNT]);
 
-    /// The numbers of a model; those of the test are not given.
+    /// The numbers of a model; those of the test are left out.
     pub fn of_model(model: &Model) -> Point {
         let (c, mut point) = (&model.chamber, Point::EMPTY);
         point.set(Base::GasConstant, c.gas.gas_constant);
@@ -43,7 +43,7 @@ impl Point {
         model
     }
 
-    /// Gives a chamber these numbers of its gas and heat transfer; its geometry may have to be solved for.
+    /// Sets the gas and heat transfer of a chamber; its geometry may have to be solved for.
     pub fn set_gas(&self, chamber: &mut Chamber) {
         let get = |base| self.get(base);
         chamber.gas = Gas { gas_constant: get(Base::GasConstant), heat_capacity_ratio: get(Base::HeatCapacityRatio) };
@@ -59,7 +59,7 @@ impl Point {
         self.0[base as usize]
     }
 
-    /// Gives a base quantity its value.
+    /// Sets the value of a base quantity.
     pub fn set(&mut self, base: Base, value: f64) {
         self.0[base as usize] = value;
     }

@@ -1,8 +1,8 @@
 //! The uncertainty of a model's parameters as distributions: what `from = "model"` draws from.
 //!
-//! `identify` and `diagnose` fit some parameters on a linear and some on a logarithmic scale and write the covariance of
-//! their values with 95 % intervals. On the scale of the fit the parameters are jointly normal; the scale shows in the
-//! interval, v ± 1.96 s or v exp(± 1.96 s/v). A parameter is truncated at the bounds that its quantity has.
+//! `identify` and `diagnose` fit some parameters on a linear and some on a logarithmic scale, and write the covariance of their
+//! values with 95 % intervals. On the scale of the fit the parameters are jointly normal; the scale follows from the interval, v
+//! ± 1.96 s or v exp(± 1.96 s/v). Each parameter is truncated at the bounds of its quantity.
 
 use super::copula::Copula;
 use super::distribution::{Distribution, Limits};
@@ -14,31 +14,31 @@ use records::Model;
 /// Two-sided 95 % quantile of the normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// A parameter that is not known exactly.
+/// An uncertain parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// Its name in the model's `[uncertainty]`.
     pub name: String,
-    /// Its place among [`all`].
+    /// Its index in [`all`].
     pub quantity: usize,
     /// Distribution of its value.
     pub distribution: Distribution,
 }
 
-/// The parameters that a model does not know exactly, and their correlations.
+/// The uncertain parameters of a model, and their correlations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertain {
-    /// The parameters: those without variance, which a fit left at a bound, are not among them.
+    /// The parameters, without those of zero variance, which a fit left at a bound.
     pub parameters: Vec<Parameter>,
     /// Their correlations on the scales of the fit.
     pub correlation: DMatrix<f64>,
 }
 
 impl Uncertain {
-    /// Of a model.
+    /// Uncertain parameters of a model.
     ///
     /// # Errors
-    /// Why there is none, in words that follow "the model".
+    /// Why there are none, in words that follow "the model".
     pub fn of(model: &Model) -> Result<Self, String> {
         let Some(uncertainty) = &model.uncertainty else {
             return Err("has no [uncertainty]: `identify` and `diagnose` write it".to_owned());
@@ -67,7 +67,7 @@ impl Uncertain {
         Ok(Self { parameters, correlation })
     }
 
-    /// Only the parameters that `keep` says yes to; the others may be anything.
+    /// Only the parameters for which `keep` is true; the others are marginalised.
     pub fn marginal(&self, keep: impl Fn(&Parameter) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.parameters.len()).filter(|i| keep(&self.parameters[*i])).collect();
         Self {
@@ -77,10 +77,10 @@ impl Uncertain {
     }
 }
 
-/// The copula of parameters with these correlations, in the columns of those numbers.
+/// The copula of parameters with these correlations, in the columns with these indices.
 ///
 /// # Errors
-/// The correlations contradict each other, in words that follow "the model".
+/// The correlations contradict each other; worded to follow "the model".
 pub fn copula(columns: Vec<usize>, correlation: &DMatrix<f64>) -> Result<Copula, String> {
     Copula::new(columns, correlation).ok_or_else(|| {
         "has a covariance in its [uncertainty] that no numbers can have: its correlations contradict each other"
@@ -88,7 +88,7 @@ pub fn copula(columns: Vec<usize>, correlation: &DMatrix<f64>) -> Result<Copula,
     })
 }
 
-/// Place of the quantity behind a name in `[uncertainty]`.
+/// Index of the quantity for a name in `[uncertainty]`.
 fn place(name: &str) -> Option<usize> {
     let base = match name {
         "lambda0_w_per_m2_k" => Base::Coefficient,
@@ -103,7 +103,7 @@ fn place(name: &str) -> Option<usize> {
     Some(base as usize)
 }
 
-/// The distribution of a parameter by its value, standard deviation and interval.
+/// The distribution of a parameter from its value, standard deviation and interval.
 fn margin(value: f64, sd: f64, ci95: [f64; 2], allowed: &Allowed) -> Distribution {
     let (from, to) = match allowed {
         Allowed::Above(least) => (Some(least.next_up()), None),
@@ -135,7 +135,7 @@ mod tests {
         assert!(matches!(margin(value, sd, logarithmic, &ANY), Distribution::LogNormal { median: 30.0, .. }));
         let linear = [value - NORMAL_95 * sd, value + NORMAL_95 * sd];
         assert!(matches!(margin(value, sd, linear, &ANY), Distribution::Normal { mean: 30.0, sd: 6.0, .. }));
-        // An interval that ends at a bound is told by its other end.
+        // An interval cut off at a bound is classified by its other end.
         let cut = [0.0, value + NORMAL_95 * 25.0];
         assert!(matches!(margin(value, 25.0, cut, &ANY), Distribution::Normal { .. }));
     }

@@ -1,9 +1,9 @@
-//! What comes out of a row.
+//! Results of a row.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`outputs`] | the columns that it becomes |
-//! | [`status`] | how a row ended |
+//! | [`outputs`] | the columns they become |
+//! | [`status`] | status of a row |
 
 pub mod outputs;
 pub mod status;
@@ -11,13 +11,15 @@ pub mod status;
 use ensemble::{Outcome, Scenario};
 use status::Status;
 
-/// Share of its rise within which a relaxation must be an exponential's, else its regression does not describe it.
+/// Largest deviation of a relaxation from its exponential fit, as a fraction of its rise; beyond it the regression does not
+/// describe it.
 const DESCRIBED: f64 = 0.05;
-/// A closed chamber's own relaxation, of which 1 − Pf/P is an exponential, is 0.107 |ln(P/Pf)| of its rise from one at the
-/// most, P being its first pressure (P/Pf from 0.2 to 10, least squares): what has that much more than 5 % is no leak.
+/// A closed chamber's own relaxation, of which 1 − Pf/P is an exponential, deviates from an exponential by at most 0.107
+/// |ln(P/Pf)| of its rise, P being its first pressure (P/Pf from 0.2 to 10, least squares): a deviation within this is no leak,
+/// even above 5 %.
 const OWN_MISFIT: f64 = 0.11;
 
-/// What came out of a row, SI units; NaN where there is nothing.
+/// Results of a row, SI units; NaN for missing ones.
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug)]
 pub struct RowResult {
@@ -38,7 +40,7 @@ pub struct RowResult {
 }
 
 impl RowResult {
-    /// What a scenario gave; `fit_wanted` says whether the regression was asked for.
+    /// Results of a scenario; `fit_wanted`: whether the regression was requested.
     pub fn new(scenario: &Scenario, outcome: &Outcome, fit_wanted: bool) -> Self {
         if let Err(failure) = outcome.status {
             return Self::without(Status::Failed(failure.into()));
@@ -64,7 +66,7 @@ impl RowResult {
             bore: scenario.chamber.geometry.bore,
             strokes: [scenario.initial_position_m, scenario.final_position_m],
             status: match (outcome.settling_time_s, described) {
-                // Gas that flows on makes no exponential, however long the test.
+                // A continuing gas flow gives no exponential, however long the test.
                 (None, None) if fit_wanted && outcome.flows_on => Status::NoTimeConstant,
                 (None, _) => Status::NotSettled,
                 (_, None) if fit_wanted => Status::NoTimeConstant,

@@ -1,20 +1,20 @@
-//! The columns that are computed.
+//! The computed columns.
 
 use super::RowResult;
 use crate::quantity::Base;
 use When::{Always, Fit, Solved};
 
-/// A column that is computed.
+/// A computed column.
 pub struct Output {
     /// Its name, with the unit's suffix.
     pub name: &'static str,
-    /// The unit as people write it.
+    /// The unit, for display.
     pub unit: &'static str,
-    /// One line for people.
+    /// One-line description for people.
     pub doc: &'static str,
-    /// Studies in which the column is.
+    /// Studies that have the column.
     pub when: When,
-    /// Adds the values of some rows to a column; NaN where there is none.
+    /// Appends the values of some rows to a column; NaN for missing ones.
     pub append: fn(&[RowResult], &mut Vec<f64>),
 }
 
@@ -25,18 +25,18 @@ pub enum When {
     Always,
     /// Those with the paper's regression: not with `fit = false`.
     Fit,
-    /// Those that solve for it because this is varied.
+    /// Those that solve for it because this quantity is varied.
     Solved(Base),
 }
 
-/// A column's values, by what each is in a row.
+/// A column's values, from an expression for one row.
 macro_rules! each {
     ($row:ident => $value:expr) => {
         |rows, column| column.extend(rows.iter().map(|$row| $value))
     };
 }
 
-/// Every computed column but the row's number and its status, in order.
+/// All computed columns except the row's number and its status, in order.
 #[rustfmt::skip]
 pub const OUTPUTS: [Output; 15] = [
     Output { name: "bore_m", unit: "m", when: Solved(Base::VolumeToArea), doc: "Bore, solved for", append: each!(o => o.bore) },
@@ -56,7 +56,7 @@ pub const OUTPUTS: [Output; 15] = [
     Output { name: "energy_error", unit: "1", when: Always, doc: "Closure of the energy balance over the work of the push: change of internal energy less the integrals of heat, enthalpy and work, which the step control does not know; 0 where the solution is exact", append: each!(o => o.energy_error) },
 ];
 
-/// Whether a column of that name is computed, so that no varied quantity can have it.
+/// Whether a computed column has that name, so that no varied quantity can use it.
 pub fn is_output(name: &str) -> bool {
     let solved = |output: &Output| matches!(output.when, Solved(_));
     name == "row" || name == "status" || OUTPUTS.iter().any(|output| output.name == name && !solved(output))

@@ -1,8 +1,8 @@
-//! How a row ended: with its results, or why without them.
+//! Status of a row: with results, or the reason for their absence.
 
 use thiserror::Error;
 
-/// Why a row has no results. Few and without numbers, so that the status column is a small dictionary.
+/// Why a row has no results. Few variants without numbers, so that the status column is a small dictionary.
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 pub enum Failure {
@@ -18,17 +18,17 @@ pub enum Failure {
     Simulation(#[from] ensemble::Failure),
 }
 
-/// How a row ended.
+/// Status of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// The row has all its results.
     Ok,
     /// Pressure had not settled to 1 % when the test ended.
     NotSettled,
-    /// The relaxation is over 5 % of its rise, and more than a closed chamber's, from an exponential.
+    /// The relaxation deviates from an exponential by over 5 % of its rise, and by more than a closed chamber's.
     NoTimeConstant,
-    /// Not solved, since it breaks this one of the study's constraints.
+    /// Not solved, because it violates this constraint of the study.
     LeftOut(u8),
-    /// No results, and why.
+    /// No results, with the reason.
     Failed(Failure),
 }

@@ -1,11 +1,11 @@
-//! The pieces in which rows are computed, written and summed up, the same whatever the part, shard or thread.
+//! Chunks in which rows are computed, written and summarised, the same whatever the part, shard or thread.
 
 use std::ops::Range;
 
-/// Rows of one Arrow batch.
+/// Rows per Arrow batch.
 pub const CHUNK: u64 = 1 << 13;
 
-/// Cuts rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
+/// Splits rows into chunks. Chunks are counted from row zero of the study, so that they do not depend on the parts.
 pub fn chunks(rows: Range<u64>) -> Vec<Range<u64>> {
     let first = rows.start / CHUNK;
     let last = rows.end.div_ceil(CHUNK);

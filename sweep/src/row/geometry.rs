@@ -1,4 +1,4 @@
-//! The geometry of a row: bore and strokes, solved for where the volume-to-area ratio is given.
+//! The geometry of a row: bore or strokes, solved for where the volume-to-area ratio is given.
 
 use crate::quantity::Base;
 use crate::quantity::point::Point;
@@ -6,7 +6,7 @@ use crate::result::status::Failure;
 use chamber::{AreaLaw, Geometry};
 use std::ops::{Range, RangeInclusive};
 
-/// Largest and smallest bore that a volume-to-area ratio is solved for, m.
+/// Smallest and largest bore considered when solving for a volume-to-area ratio, m.
 const BORES_M: (f64, f64) = (1e-4, 10.0);
 
 /// The chamber's shape, its bore solved for where the volume-to-area ratio is given.
@@ -24,8 +24,8 @@ pub fn of_point(point: &Point, area_law: AreaLaw) -> Result<Geometry, Failure> {
     if geometry.piston_area > 0.0 { Ok(geometry) } else { Err(Failure::RodFillsBore) }
 }
 
-/// Strokes before and after the push, m: solved for in their proportion where the volume-to-area ratio is given at a
-/// bore. The area grows in proportion to the volume, so that the volume follows from a linear equation.
+/// Strokes before and after the push, m: where the volume-to-area ratio is given at a fixed bore, solved for with their ratio
+/// kept. The area is linear in the volume, so that the volume follows from a linear equation.
 pub fn strokes(geometry: &Geometry, point: &Point) -> Result<[f64; 2], Failure> {
     let (wanted, given) = (point.get(Base::VolumeToAreaByLength), [Base::InitialStroke, Base::FinalStroke]);
     let [initial, last] = given.map(|base| point.get(base));
@@ -39,17 +39,17 @@ pub fn strokes(geometry: &Geometry, point: &Point) -> Result<[f64; 2], Failure> 
     if solved.is_finite() && solved > 0.0 { Ok([solved * (initial / last), solved]) } else { Err(Failure::NoLength) }
 }
 
-/// Gas volume over heat transfer area at a stroke.
+/// Gas volume over heat transfer area at a stroke, m.
 fn ratio(geometry: &Geometry, stroke: f64) -> f64 {
     let volume = geometry.volume(stroke);
     volume / geometry.heat_transfer_area(volume)
 }
 
-/// The volume-to-area ratios that bores give, at a rod, a dead volume and a stroke.
+/// The volume-to-area ratios, m, that some bore gives, for a rod, a dead volume and a stroke.
 pub fn bores_give([rod, dead_volume, stroke]: [f64; 3], area_law: AreaLaw) -> RangeInclusive<f64> {
-    /// Between bores so far apart the ratio changes by less than a hundredth of a per cent at its greatest.
+    /// Ratio of neighbouring bores: between them the volume-to-area ratio changes by less than 0.01 % near its maximum.
     const STEP: f64 = 1.01;
-    /// Of the ratio, for the greatest between two bores.
+    /// Relative margin for a maximum between two bores.
     const SLACK: f64 = 1e-4;
     let least = least_bore(rod);
     let steps = ((BORES_M.1 / least).ln() / STEP.ln()).ceil().max(0.0) as i32;
@@ -59,11 +59,12 @@ pub fn bores_give([rod, dead_volume, stroke]: [f64; 3], area_law: AreaLaw) -> Ra
     low * (1.0 - SLACK)..=high * (1.0 + SLACK)
 }
 
-/// The volume-to-area ratios that lengths give, at bores, rods and dead volumes within these bounds; all of them and, where these
-/// are single values, no others. With its length the ratio goes from that of the dead volume to that of an endless column.
+/// The volume-to-area ratios, m, that some length gives, for bores, rods and dead volumes within these bounds: contains all of
+/// them and, where the bounds are single values, no others. With increasing length the ratio goes from that of the dead volume to
+/// that of an infinite column.
 pub fn lengths_give([bores, rods, dead_volumes]: [&RangeInclusive<f64>; 3], area_law: AreaLaw) -> Range<f64> {
     if bores.start() <= rods.end() {
-        // Some have no gap between rod and barrel.
+        // Some chambers have no gap between rod and barrel.
         return 0.0..f64::INFINITY;
     }
     let [[narrow, least_ends], [wide, most_ends]] = [(bores.start(), rods.end()), (bores.end(), rods.start())]
@@ -77,12 +78,12 @@ pub fn lengths_give([bores, rods, dead_volumes]: [&RangeInclusive<f64>; 3], area
     least.min(1.0 / narrow)..most.max(1.0 / wide)
 }
 
-/// The smallest bore that is looked at, with that rod.
+/// The smallest bore considered, for a rod.
 fn least_bore(rod: f64) -> f64 {
     BORES_M.0.max(rod * (1.0 + 1e-12))
 }
 
-/// The bore that gives a volume-to-area ratio: of several, the one nearest to `near` on a logarithmic scale.
+/// The bore that gives a volume-to-area ratio; if there are several, the one nearest to `near` on a logarithmic scale.
 fn bore_of(target: f64, near: f64, rod: f64, ratio: impl Fn(f64) -> f64) -> Option<f64> {
     const STEP: f64 = 1.1;
     let miss = |bore: f64| ratio(bore) - target;
@@ -103,7 +104,7 @@ fn bore_of(target: f64, near: f64, rod: f64, ratio: impl Fn(f64) -> f64) -> Opti
     None
 }
 
-/// A root between two bores at which the sign differs: regula falsi with the Illinois rule.
+/// A root between two bores with opposite signs: regula falsi with the Illinois rule.
 fn root(mut a: f64, mut b: f64, mut at_a: f64, mut at_b: f64, miss: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..60 {
         if at_a == 0.0 || (b - a).abs() <= 1e-15 * b {
@@ -128,7 +129,7 @@ fn root(mut a: f64, mut b: f64, mut at_a: f64, mut at_b: f64, miss: impl Fn(f64)
 mod tests {
     use super::*;
 
-    /// Whether a length gives that ratio at that chamber.
+    /// Whether some length gives that ratio in this chamber.
     fn is_given(wanted: f64, geometry: &Geometry) -> bool {
         let mut point = Point::EMPTY;
         point.set(Base::VolumeToAreaByLength, wanted);
@@ -140,7 +141,7 @@ mod tests {
     #[test]
     fn lengths_give_the_ratios_between_that_of_the_dead_volume_and_that_of_an_endless_column() {
         for law in [AreaLaw::Total, AreaLaw::Swept] {
-            // With the last of them, under the swept length's law, the ratio falls with the length.
+            // For the last of them, under the swept area law, the ratio falls with the length.
             for (bore, rod, dead) in [(0.02, 0.0, 0.0), (0.063, 0.02, 2e-5), (0.032, 0.012, 1e-3), (0.02, 0.0, 1e-4)] {
                 let geometry = Geometry::new(bore, rod, dead, law);
                 let Range { start, end } = lengths_give([&(bore..=bore), &(rod..=rod), &(dead..=dead)], law);
@@ -150,7 +151,7 @@ mod tests {
                 for beyond in [start * (1.0 - 1e-9), end * (1.0 + 1e-9)] {
                     assert!(beyond <= 0.0 || !is_given(beyond, &geometry), "{law:?} {bore} {dead} {beyond}");
                 }
-                // Of several chambers those of each.
+                // For a range of chambers, the ratios of each are included.
                 let of_all = lengths_give([&(0.5 * bore..=2.0 * bore), &(0.0..=rod), &(0.0..=dead)], law);
                 assert!(of_all.start <= start && end <= of_all.end, "{law:?} {bore} {dead}");
             }

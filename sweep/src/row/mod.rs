@@ -1,9 +1,9 @@
-//! One row: from the point of the design to the chamber and test that it stands for.
+//! One row: the chamber and test defined by a point of the design.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `geometry` | bore or strokes, solved for where a ratio is given |
-//! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, piece by piece |
+//! | [`solve`], [`chunk`] | rows through the kernel of `ensemble`, in chunks |
 
 pub mod chunk;
 pub(crate) mod geometry;
@@ -18,23 +18,23 @@ use chamber::balance::{self, Boundary};
 use chamber::effects;
 use ensemble::Scenario;
 
-/// The push-and-hold test that a point of the study stands for.
+/// The push-and-hold test at a point of the study.
 ///
 /// # Errors
-/// How the row ends without it: there is no such test, or the row breaks one of the study's constraints.
+/// The row's status if there is no test: none exists, or the row violates a constraint of the study.
 pub fn scenario(study: &Study, point: &Point) -> Result<Scenario, Status> {
     let mut scenario = no_test(study);
     set_scenario(study, point, &mut scenario)?;
     Ok(scenario)
 }
 
-/// A scenario that is none, to be set.
+/// A placeholder scenario, to be set.
 pub fn no_test(study: &Study) -> Scenario {
     Scenario::push(study.model.chamber, f64::NAN, [f64::NAN; 2], f64::NAN, f64::NAN)
 }
 
-/// As [`scenario`], in place of one of the same study, of which what does not vary stays. What is left there is of no use
-/// where the row ends without a test.
+/// As [`scenario`], updating one of the same study in place: only what varies changes. If the row has no test, the contents are
+/// meaningless.
 ///
 /// # Errors
 /// As for [`scenario`].
@@ -78,8 +78,8 @@ fn set_test(study: &Study, point: &Point, scenario: &mut Scenario) -> Result<(),
     Ok(())
 }
 
-/// τ_f = m cv/(λ(Pf, Tw) Aq), s, with Pf the pressure of all the gas at the wall's temperature at rest after the push and
-/// λ with its effects but natural convection, which has no value without a temperature difference.
+/// τ_f = m cv/(λ(Pf, Tw) Aq), s, with Pf the pressure of all the gas at rest at the wall's temperature after the push, and λ with
+/// its effects except natural convection, which is undefined without a temperature difference.
 pub fn final_time_constant(scenario: &Scenario) -> f64 {
     let chamber = &scenario.chamber;
     let ambient = scenario.ambient_temperature_k;

@@ -1,4 +1,4 @@
-//! From points to results: rows become scenarios, the kernel of `ensemble` simulates them.
+//! Solves points: rows become scenarios, which the kernel of `ensemble` simulates.
 
 use crate::error::Error;
 use crate::progress::Progress;
@@ -15,13 +15,13 @@ use std::time::{Duration, Instant};
 
 /// Some rows of a study by column.
 pub struct Rows {
-    /// Number of the first of these rows in the study.
+    /// Index of the first of these rows in the study.
     pub first: u64,
     /// Values of the varied quantities, a column each.
     pub points: Vec<Vec<f64>>,
-    /// The study's computed columns, NaN where there is no value.
+    /// The study's computed columns, NaN for missing values.
     pub outputs: Vec<Vec<f64>>,
-    /// How each row ended.
+    /// Status of each row.
     pub statuses: Vec<Status>,
 }
 
@@ -33,7 +33,7 @@ impl Rows {
         Self { first: 0, points, outputs, statuses: Vec::new() }
     }
 
-    /// Adds the rows that come after these.
+    /// Appends the rows that follow these.
     pub fn append(&mut self, mut later: Rows) {
         let columns = self.points.iter_mut().chain(&mut self.outputs);
         columns.zip(later.points.iter_mut().chain(&mut later.outputs)).for_each(|(column, later)| column.append(later));
@@ -41,7 +41,7 @@ impl Rows {
     }
 }
 
-/// Solves rows of a study on one thread, in memory that it keeps.
+/// Solves rows of a study on one thread, reusing its memory.
 pub struct RowSolver<'a> {
     study: &'a Study,
     effects: EffectSet,
@@ -52,15 +52,15 @@ pub struct RowSolver<'a> {
     outcomes: Vec<Outcome>,
     results: Vec<RowResult>,
     progress: &'a dyn Progress,
-    /// How many rows are solved together: as many as take about [`TOGETHER`].
+    /// Number of rows solved together: as many as take about [`TOGETHER`].
     piece: usize,
 }
 
-/// How long a piece of rows may take without a word of progress.
+/// Longest time for a piece of rows without a progress report.
 const TOGETHER: Duration = Duration::from_millis(200);
-/// Rows that are solved together at least: a few registers full.
+/// Minimum number of rows solved together: enough to fill a few registers.
 const FEWEST: usize = 64;
-/// Results that become columns together: they stay in a core's nearest cache.
+/// Results converted to columns together: they fit into a core's first-level cache.
 const BLOCK: usize = 64;
 
 impl<'a> RowSolver<'a> {
@@ -80,12 +80,12 @@ impl<'a> RowSolver<'a> {
         }
     }
 
-    /// The same, telling of rows as they are solved.
+    /// The same solver, reporting rows as they are solved.
     pub fn with_progress(self, progress: &'a dyn Progress) -> Self {
         Self { progress, ..self }
     }
 
-    /// Solves some rows, as many at a time as stay in a core's cache.
+    /// Solves some rows, in pieces that fit into a core's cache.
     ///
     /// # Errors
     /// A table of points cannot be read.
@@ -118,7 +118,7 @@ impl<'a> RowSolver<'a> {
         Ok(Rows { first: rows.start, points, outputs, statuses })
     }
 
-    /// Solves the points at some places of their columns into `results`.
+    /// Solves the points at some indices of their columns into `results`.
     fn solve(&mut self, points: &[Vec<f64>], places: Range<usize>) {
         let count = places.len();
         let mut impossible = Vec::new();
@@ -127,7 +127,7 @@ impl<'a> RowSolver<'a> {
             let scenario = &mut self.scenarios[i];
             if let Err(status) = row::set_scenario(self.study, &self.point, scenario) {
                 impossible.push((i, status));
-                // What the kernel refuses at once.
+                // A pressure that the kernel refuses at once.
                 scenario.initial_pressure_pa = f64::NAN;
             }
         }

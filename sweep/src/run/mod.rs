@@ -1,11 +1,11 @@
-//! A study carried out into its folder, whole or a shard of it.
+//! Runs a study, whole or one shard of it, into its folder.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`shard`] | a share of a study's parts |
-//! | `publish` | parts put in their places while the next ones are computed |
+//! | [`shard`] | a subset of a study's parts |
+//! | `publish` | publishing parts while the next ones are computed |
 //! | [`work`] | the rows of one file |
-//! | [`whole`] | a study into one file or memory, or its statistics alone |
+//! | [`whole`] | a study as one file or in memory, or only its statistics |
 
 mod publish;
 pub mod shard;
@@ -31,7 +31,7 @@ use serde_json::Value;
 use shard::Shard;
 use work::{Place, Work, Workers};
 
-/// Which parts a run writes, and what it keeps and reuses.
+/// Parts written by a run, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Parts that this run writes.
@@ -54,33 +54,33 @@ impl From<Shard> for Options<'_> {
     }
 }
 
-/// What a run did and what it found done.
+/// What a run did and what already existed.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Parts this run wrote.
+    /// Parts written by this run.
     pub parts_written: u64,
-    /// Parts of this shard that were there already.
+    /// Existing parts of this shard.
     pub parts_found: u64,
-    /// Of those written, parts that had been there and were not what their record said.
+    /// Parts rewritten because they did not match their records.
     pub parts_damaged: u64,
-    /// Rows this run computed.
+    /// Rows computed by this run.
     pub rows_written: u64,
-    /// Rows this run took from an earlier study's folder.
+    /// Rows taken from an earlier study's folder.
     pub rows_taken: u64,
     /// Bytes of this shard's parts.
     pub bytes: u64,
     /// Rows of this shard's parts by status.
     pub statuses: StatusCounts,
-    /// Whether all parts of the study are in the folder now and the manifest is written.
+    /// Whether all parts of the study are in the folder and the manifest is written.
     pub complete: bool,
-    /// Rows of all parts by status, once they are there.
+    /// Rows of all parts by status, once all exist.
     pub statuses_of_study: Option<StatusCounts>,
-    /// Files with results beside the rows, by name.
+    /// Files with results alongside the rows, by name.
     pub results: Vec<&'static str>,
 }
 
 impl Report {
-    /// Of a study that is complete and has no row with results: the most frequent reason, and how many rows it keeps from one.
+    /// For a complete study without any row with results: the most frequent reason, and its number of rows.
     pub fn why_without_results(&self) -> Option<(&str, u64)> {
         let statuses = self.statuses_of_study.as_ref()?;
         if statuses.keys().any(|status| status_column::has_results(status)) {
@@ -91,14 +91,14 @@ impl Report {
     }
 }
 
-/// Carries out a shard of a study into a folder. Parts that are there and whole, which is checked byte for byte, stay;
-/// when all parts of the study are there in the end, the manifest is written. May be repeated, interrupted, and run
-/// beside other shards. Where nothing is missing nothing is written; what killed runs left is removed.
+/// Runs a shard of a study into a folder. Complete parts, checked byte for byte, are kept; once all parts of the study exist, the
+/// manifest is written. May be repeated, interrupted, and run in parallel with other shards. If nothing is missing, nothing is
+/// written; leftovers of killed runs are removed.
 ///
-/// Threads are those of the current rayon pool; memory grows with their number, not with the study's rows.
+/// Uses the threads of the current rayon pool; memory grows with their number, not with the study's rows.
 ///
 /// # Errors
-/// The folder is another study's or cannot be written. Parts finished before stay.
+/// The folder belongs to another study or cannot be written. Finished parts are kept.
 pub fn run<'a>(
     study: &Study,
     store: &dyn Store,
@@ -152,7 +152,7 @@ pub fn run<'a>(
     })
 }
 
-/// Writes what the rows of all parts come to, then the manifest; names of the files with results.
+/// Writes the results over all parts, then the manifest; returns the names of the files with results.
 fn finish(
     study: &Study,
     folder: &Folder<'_>,
@@ -175,12 +175,12 @@ fn finish(
     Ok(results)
 }
 
-/// The statistics that a run makes: the study's, or all of them where nothing else is kept.
+/// The statistics made by a run: the study's, or all of them if nothing else is kept.
 fn plan_of(study: &Study, options: Options<'_>) -> Option<Plan> {
     study.statistics.clone().or_else(|| (!options.rows).then(|| Plan::all(study.outputs())))
 }
 
-/// Gives a part that was found the statistics that its record does not have, from its stored rows where there are some.
+/// Adds missing statistics to the record of an existing part, from its stored rows if there are any.
 fn add_statistics(
     study: &Study,
     folder: &Folder<'_>,
@@ -204,7 +204,7 @@ fn add_statistics(
     folder.write_record(part, &Record { statistics: Some(state), ..record })
 }
 
-/// The statistics of all parts, if each has its own; one part's are in memory at a time.
+/// The statistics of all parts, if each has them; only one part's are in memory at a time.
 fn summary(study: &Study, plan: &Plan, folder: &Folder<'_>, parts: &[Record]) -> Result<Option<Value>, Error> {
     let mut total = State::new(plan);
     for part in 0..study.parts {
@@ -216,7 +216,7 @@ fn summary(study: &Study, plan: &Plan, folder: &Folder<'_>, parts: &[Record]) ->
     total.summary(study, plan, &statuses_of(parts)).map(Some)
 }
 
-/// Computes parts and puts them in their places.
+/// Computes parts and publishes them.
 fn write(
     study: &Study,
     folder: &Folder<'_>,
@@ -246,8 +246,8 @@ fn write(
     })
 }
 
-/// The same parts, one after the other far from each other (by the reversed bits of their places): what is done at any
-/// time is a fair share of the design, and the rate so far that of the rest, though one end of an axis may be slow.
+/// The same parts in a scattered order (bit-reversed indices): at any time the finished ones sample the design evenly, and the
+/// rate so far predicts the rest, even if one end of an axis is slow.
 fn scattered(parts: &[u64]) -> Vec<u64> {
     let bits = parts.len().next_power_of_two().trailing_zeros();
     let places =

@@ -1,4 +1,4 @@
-//! Parts put in their places by a thread of its own while the next ones are computed: a disk takes its time.
+//! Publishes parts on a separate thread while the next ones are computed, because a disk is slow.
 
 use crate::error::Error;
 use crate::folder::Folder;
@@ -6,20 +6,20 @@ use crate::folder::record::Record;
 use crate::part::new_file::Ended;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
-/// A part that has all its contents, and what is to be known of it.
+/// A part with complete contents, and its record.
 pub struct Finished<'a> {
     /// The folder it belongs to.
     pub folder: &'a Folder<'a>,
-    /// Its number among the study's parts, from 0.
+    /// Its index among the study's parts, from 0.
     pub part: u64,
-    /// What is known of it.
+    /// Its record.
     pub record: Record,
-    /// Its file, still under a temporary name; none where the rows are not kept.
+    /// Its file, still with a temporary name; `None` if the rows are not kept.
     pub file: Option<Ended>,
 }
 
 impl Finished<'_> {
-    /// Makes the record last, then the part under its name: no part is ever there without its record.
+    /// Writes the record durably, then publishes the part: no part ever exists without its record.
     fn publish(self) -> Result<(), Error> {
         self.folder.write_record(self.part, &self.record)?;
         let name = self.folder.part_file(self.part);
@@ -27,14 +27,14 @@ impl Finished<'_> {
     }
 }
 
-/// Where parts go that have all their contents.
+/// Receives complete parts.
 pub struct Publisher<'a>(SyncSender<Finished<'a>>);
 
-/// Why no further file is to be made.
+/// Why no further file should be made.
 pub enum Stop {
     /// A part could not be computed or written.
     Failed(Error),
-    /// One could not be published: the publisher knows why.
+    /// A part could not be published: the publisher has the error.
     Unpublished,
 }
 
@@ -45,13 +45,13 @@ impl From<Error> for Stop {
 }
 
 impl<'a> Publisher<'a> {
-    /// Hands a part over; waits while another one is on its way.
+    /// Hands over a part; waits while another one is being published.
     pub fn send(&self, file: Finished<'a>) -> Result<(), Stop> {
         self.0.send(file).map_err(|_| Stop::Unpublished)
     }
 }
 
-/// Lets `make` make files, and returns when all of them are published or something went wrong.
+/// Runs `make`, which makes files, and returns when all of them are published or an error occurred.
 pub fn publishing<'a>(make: impl FnOnce(&Publisher<'a>) -> Result<(), Stop>) -> Result<(), Error> {
     std::thread::scope(|scope| {
         let (sender, files) = sync_channel::<Finished<'a>>(1);

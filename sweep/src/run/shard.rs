@@ -1,11 +1,11 @@
-//! A share of a study's parts, so that several runs can work on it.
+//! A subset of a study's parts, so that several runs can share the work.
 
-/// Which of a study's parts a run writes: those whose number leaves `index` when divided by `count`.
+/// The parts written by a run: those whose index modulo `count` is `index`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Number of this shard, from 0 to `count` − 1.
+    /// Index of this shard, from 0 to `count` − 1.
     pub index: u64,
-    /// How many shards share the study.
+    /// Number of shards of the study.
     pub count: u64,
 }
 
@@ -13,7 +13,7 @@ impl Shard {
     /// The only shard of a study: all parts.
     pub const WHOLE: Shard = Shard { index: 0, count: 1 };
 
-    /// Whether a part is this shard's.
+    /// Whether a part belongs to this shard.
     pub fn has(self, part: u64) -> bool {
         part % self.count == self.index
     }

@@ -1,4 +1,4 @@
-//! A whole study into one file or into memory, or its statistics alone.
+//! A whole study as one file or in memory, or only its statistics.
 
 use super::shard::Shard;
 use super::work::{Place, Work};
@@ -19,10 +19,10 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Carries out a whole study into one Parquet file, which appears when it is whole; returns its rows by status.
+/// Runs a whole study into one Parquet file, which appears when complete; returns its rows by status.
 ///
 /// # Errors
-/// The file cannot be written; nothing remains then.
+/// The file cannot be written; nothing is left behind.
 pub fn run_to_file(study: &Study, path: &Path, progress: &dyn Progress) -> Result<StatusCounts, Error> {
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
@@ -35,7 +35,7 @@ pub fn run_to_file(study: &Study, path: &Path, progress: &dyn Progress) -> Resul
     Ok(written.statuses)
 }
 
-/// The statistics of a whole study, as `statistics.json` of a folder has them; nothing is written.
+/// The statistics of a whole study, as in `statistics.json` of a folder; nothing is written.
 ///
 /// # Errors
 /// A table of points cannot be read.
@@ -50,15 +50,15 @@ pub fn statistics(study: &Study, plan: &Plan, progress: &dyn Progress) -> Result
     total.summary(study, plan, &statuses)
 }
 
-/// The rows of a study, batch after batch, in order: a wave of chunks is computed by all threads of the current pool when
-/// the one before is used up, so that memory does not grow with the study.
+/// The rows of a study, batch by batch, in order: all threads of the current pool compute a wave of chunks when the previous one
+/// is used up, so that memory does not grow with the study.
 pub fn batches(study: Arc<Study>) -> impl Iterator<Item = Result<RecordBatch, Error>> + Send {
     let wave = CHUNK * 2 * rayon::current_num_threads() as u64;
     let waves = (0..study.rows).step_by(wave as usize);
     waves.flat_map(move |begin| computed(&study, begin..study.rows.min(begin + wave)))
 }
 
-/// Carries out a whole study in memory.
+/// Runs a whole study in memory.
 ///
 /// # Errors
 /// A table of points cannot be read.
@@ -66,7 +66,7 @@ pub fn run_in_memory(study: &Study) -> Result<Vec<RecordBatch>, Error> {
     computed(study, 0..study.rows).into_iter().collect()
 }
 
-/// Some rows as batches, computed by all threads of the current pool.
+/// Some rows as batches, computed on all threads of the current pool.
 fn computed(study: &Study, rows: Range<u64>) -> Vec<Result<RecordBatch, Error>> {
     chunks(rows).into_par_iter().map(|rows| part::batch(study, rows)).collect()
 }

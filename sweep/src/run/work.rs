@@ -1,4 +1,4 @@
-//! One file: its rows computed chunk by chunk, written and summed up as they come.
+//! One file: its rows are computed chunk by chunk, written and summarised as they arrive.
 
 use crate::error::Error;
 use crate::folder::earlier::{Earlier, EarlierReader};
@@ -16,53 +16,53 @@ use serde_json::json;
 use std::ops::Range;
 use std::path::Path;
 
-/// Chunks of one file that are in memory for each thread.
+/// Chunks of one file in memory per thread.
 const CHUNKS_PER_THREAD: usize = 4;
 
-/// How the rows of one file are computed.
+/// Threads that compute the rows of one file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Workers {
-    /// By the calling thread: others are busy with other files.
+    /// The calling thread: others are busy with other files.
     One,
-    /// By all threads of the pool.
+    /// All threads of the pool.
     All,
 }
 
-/// Where a part's rows go.
+/// Destination of a part's rows.
 pub struct Place<'a> {
     /// Final path of the file, for error messages.
     pub path: &'a Path,
-    /// The folder it is written in until it is whole.
+    /// The folder it is written in until complete.
     pub staging: &'a Path,
     /// Further entries of its metadata.
     pub extra: &'a [(&'a str, String)],
 }
 
-/// How the rows of one file are computed, and what is made of them.
+/// How the rows of one file are computed and summarised.
 #[derive(Clone, Copy)]
 pub struct Work<'a> {
     /// The study whose rows they are.
     pub study: &'a Study,
-    /// The statistics to make of them, if any.
+    /// The requested statistics, if any.
     pub plan: Option<&'a Plan>,
     /// A smaller study whose rows are taken instead of solved again.
     pub earlier: Option<&'a Earlier>,
-    /// Who computes.
+    /// Threads that compute.
     pub workers: Workers,
-    /// Told of the rows.
+    /// Receives the progress.
     pub progress: &'a dyn Progress,
 }
 
 impl<'a> Work<'a> {
-    /// All rows solved, by all threads, without statistics.
+    /// Solves all rows, on all threads, without statistics.
     pub fn new(study: &'a Study, progress: &'a dyn Progress) -> Self {
         Self { study, plan: None, earlier: None, workers: Workers::All, progress }
     }
 
-    /// Computes some rows of the study, into a new file where there is a place for one, which is still to be published.
+    /// Computes some rows of the study, into a new, still unpublished file if there is a place for one.
     ///
     /// # Errors
-    /// The file cannot be written, or a table of points cannot be read; nothing remains then.
+    /// The file cannot be written, or a table of points cannot be read; nothing is left behind.
     pub fn write(&self, rows: Range<u64>, place: Option<&Place<'_>>) -> Result<Written, Error> {
         let study = self.study;
         let schema = columns::schema(study);
@@ -96,7 +96,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Where the rows of one file come from: the solver or, as far as they are there, an earlier study's folder.
+/// Source of the rows of one file: the solver or, where they exist, an earlier study's folder.
 struct Source<'a> {
     work: Work<'a>,
     solver: RowSolver<'a>,
@@ -104,7 +104,7 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// For `rows` at the most.
+    /// For at most these `rows`.
     fn new(work: Work<'a>, rows: &Range<u64>) -> Self {
         let Work { study, progress, .. } = work;
         let earlier = work.earlier.filter(|earlier| earlier.count(rows) > 0);
@@ -132,18 +132,18 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Places of a plan's columns among the study's computed ones.
+/// Indices of a plan's columns among the study's computed ones.
 fn places(study: &Study, plan: &Plan) -> Vec<usize> {
     let place = |name: &String| study.outputs().position(|output| output.name == name);
     plan.columns.iter().filter_map(place).collect()
 }
 
-/// A part whose rows were computed.
+/// A part after its rows were computed.
 pub struct Written {
-    /// Their file, still to be published, where there was a place for one.
+    /// Their file, still to be published, if there was a place for one.
     pub file: Option<Ended>,
-    /// How many ended with each status.
+    /// Number of rows with each status.
     pub statuses: StatusCounts,
-    /// Their statistics, where they were asked for.
+    /// Their statistics, if requested.
     pub statistics: Option<State>,
 }

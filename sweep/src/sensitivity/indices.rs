@@ -1,34 +1,34 @@
-//! Sobol' indices of one output, with intervals, from the sums of a few terms over blocks of rows.
+//! Sobol' indices of one output, with confidence intervals, from sums of a few terms over blocks of rows.
 //!
-//! First order: S_i = mean(B (AB_i − A))/V (Saltelli et al. 2010, table 2, b). Total order: T_i = ½ mean((A − AB_i)²)/V
-//! (Jansen 1999). Second order: S_ij = mean(BA_i AB_j − A B)/V − S_i − S_j, i < j (Saltelli 2002). V is the variance of A and B;
-//! values count from the mean of all of them, as in SALib.
+//! First order: S_i = mean(B (AB_i − A))/V (Saltelli et al. 2010, table 2, b). Total order: T_i = ½ mean((A − AB_i)²)/V (Jansen
+//! 1999). Second order: S_ij = mean(BA_i AB_j − A B)/V − S_i − S_j, i < j (Saltelli 2002). V is the variance of A and B; values
+//! are relative to the mean of all of them, as in SALib.
 //!
-//! Intervals: the design consists of [`REPLICATES`] independently scrambled sequences, of which block k belongs to number
-//! k mod [`REPLICATES`]. Their scatter is that of the estimate, which the scatter of the blocks is not: points of a sequence
-//! are spread more evenly than independent ones. The half-width is that of Student's t with a degree of freedom less than
-//! there are replicates (L'Ecuyer, Nakayama, Owen and Tuffin 2023, "Confidence intervals for randomized quasi-Monte Carlo
-//! estimators"); the standard error of an index, a ratio of means, is that of the jackknife that leaves out one replicate at
-//! a time, of sizes that may differ (Busing, Meijer and van der Leeden 1999, "Delete-m jackknife for unequal m").
+//! Intervals: the design consists of [`REPLICATES`] independently scrambled sequences; block k belongs to number k mod
+//! [`REPLICATES`]. Their scatter is that of the estimate; the scatter of the blocks is not, because points of a sequence are
+//! spread more evenly than independent ones. The half-width uses Student's t with one degree of freedom less than there are
+//! replicates (L'Ecuyer, Nakayama, Owen and Tuffin 2023, "Confidence intervals for randomized quasi-Monte Carlo estimators"); the
+//! standard error of an index, a ratio of means, is that of the delete-one-replicate jackknife for unequal sizes (Busing, Meijer
+//! and van der Leeden 1999, "Delete-m jackknife for unequal m").
 
 use crate::design::saltelli::{REPLICATES, Scheme};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Indices of one output, in the order of the axes, each with the half-width of its 95 % interval: NaN where all blocks are
-/// of one replicate.
+/// Indices of one output, in the order of the axes, each with the half-width of its 95 % interval: NaN where all blocks belong to
+/// one replicate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Indices {
-    /// Indices of first order with their half-widths, by axis.
+    /// First-order indices with their half-widths, by axis.
     pub first: Vec<[f64; 2]>,
-    /// Indices of total order with their half-widths, by axis.
+    /// Total-order indices with their half-widths, by axis.
     pub total: Vec<[f64; 2]>,
-    /// Second order of the pairs (0, 1), (0, 2) … (1, 2) …, where the study has it.
+    /// Second-order indices of the pairs (0, 1), (0, 2) … (1, 2) …, if the study has them.
     pub second: Vec<[f64; 2]>,
-    /// Blocks without a missing value.
+    /// Number of blocks without a missing value.
     pub blocks: u64,
 }
 
-/// What the indices are means of, from a block of standardised values: count, sum and squares of A and B for the variance,
+/// The terms averaged for the indices, from a block of standardised values: count, sum and squares of A and B for the variance,
 /// then first order, total order, second order.
 fn terms(scheme: Scheme, block: &[f64], terms: &mut Vec<f64>) {
     let (a, b) = (block[0], block[block.len() - 1]);
@@ -73,7 +73,7 @@ impl Moments {
     }
 }
 
-/// Of the first pass over the blocks: what values are standardised by.
+/// First pass over the blocks: mean and standard deviation for standardising the values.
 #[derive(Default)]
 pub struct Centre {
     /// Moments of all values.
@@ -91,7 +91,7 @@ impl Centre {
     }
 }
 
-/// Of the second pass: sums of the terms over the blocks of each replicate.
+/// Second pass: sums of the terms over the blocks of each replicate.
 pub struct Sums {
     scheme: Scheme,
     centre: Centre,
@@ -101,14 +101,14 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Begins without blocks.
+    /// Without blocks yet.
     pub fn new(scheme: Scheme, centre: Centre) -> Self {
         let zeros = vec![0.0; 3 + 2 * scheme.axes + scheme.pairs().count()];
         let replicates = vec![zeros; REPLICATES as usize];
         Self { scheme, centre, replicates, standardised: Vec::new(), terms: Vec::new() }
     }
 
-    /// Adds the block of that number.
+    /// Adds the block with that index.
     pub fn add(&mut self, number: u64, block: &[f64]) {
         let (mean, deviation) = (self.centre.all.mean, self.centre.ends.deviation());
         self.standardised.clear();
@@ -118,7 +118,7 @@ impl Sums {
         sums.iter_mut().zip(&self.terms).for_each(|(sum, term)| *sum += term);
     }
 
-    /// The indices of all blocks.
+    /// The indices over all blocks.
     pub fn indices(&self) -> Indices {
         let mut whole = vec![0.0; self.replicates[0].len()];
         for sums in &self.replicates {
@@ -162,7 +162,7 @@ mod tests {
     use crate::quantity::axis::{Axis, Scale};
     use std::f64::consts::PI;
 
-    /// Indices from an output's values by row, a missing one being NaN.
+    /// Indices from an output's values by row, with NaN for missing ones.
     fn of_values(scheme: Scheme, values: &[f64]) -> Indices {
         let blocks = || {
             let numbered = values.chunks_exact(scheme.rows() as usize).enumerate();
@@ -189,7 +189,7 @@ mod tests {
         (Scheme { axes: 3, second }, (0..x[0].len()).map(y).collect())
     }
 
-    /// Its indices of first and total order and of the pair (0, 2), in closed form.
+    /// Its first- and total-order indices and that of the pair (0, 2), in closed form.
     fn exact() -> ([f64; 3], [f64; 3], f64) {
         let v1 = 0.5 * (1.0 + B * PI.powi(4) / 5.0).powi(2);
         let v2 = A * A / 8.0;
@@ -226,7 +226,7 @@ mod tests {
         assert!(of_values(scheme, &values).first.iter().all(|[_, half]| half.is_nan()));
     }
 
-    /// 400 studies of each size, 2400 intervals: their share is known within 0.9 %, two standard deviations of independent
+    /// 400 studies of each size, 2400 intervals: their coverage is known to within 0.9 %, two standard deviations for independent
     /// ones.
     #[test]
     fn intervals_cover_the_true_indices_of_the_ishigami_function_at_their_level() {

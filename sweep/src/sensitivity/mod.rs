@@ -1,6 +1,6 @@
-//! Global sensitivity of a Saltelli study's results: which share of an output's variance each quantity brings.
+//! Global sensitivity of a Saltelli study's results: the fraction of an output's variance due to each quantity.
 //!
-//! Blocks with a missing value take no part. [`indices`] explains the estimates and their intervals.
+//! Blocks with a missing value are skipped. [`indices`] explains the estimates and their intervals.
 
 pub(crate) mod indices;
 
@@ -15,8 +15,8 @@ use indices::{Centre, Indices, Sums};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-/// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` gives a
-/// part as a file on the disk; it is asked once for each part.
+/// Indices of every output of a Saltelli study from its parts, in bounded memory; `None` for other designs. `local` returns a
+/// part as a file on disk and is called once per part.
 pub fn of_study(study: &Study, local: impl Fn(u64) -> Result<LocalFile, Error>) -> Result<Option<Value>, Error> {
     let Design::Saltelli(design) = &study.design else { return Ok(None) };
     let scheme = design.scheme();
@@ -61,8 +61,7 @@ fn described(study: &Study, scheme: Scheme, indices: &Indices) -> Value {
     described
 }
 
-/// Hands every block of one column's values that misses none to `take` with its number, in order; blocks may reach across
-/// parts.
+/// Passes every block of one column without missing values to `take` with its index, in order; blocks may span parts.
 fn blocks(parts: &[LocalFile], column: &str, length: usize, mut take: impl FnMut(u64, &[f64])) -> Result<(), Error> {
     let mut block = Vec::with_capacity(length);
     let mut number = 0;

@@ -1,4 +1,4 @@
-//! What is known of one column: moments, extremes with their rows, a sketch of its distribution, a histogram.
+//! Statistics of one column: moments, extremes with their rows, a sketch of its distribution, a histogram.
 
 use super::moments::Moments;
 use super::points::point_of;
@@ -20,7 +20,7 @@ pub struct Column {
     minimum: Option<Extreme>,
     maximum: Option<Extreme>,
     sketch: Sketch,
-    /// Counts of a histogram, those below and above at its ends.
+    /// Counts of a histogram, with those below and above its range at the ends.
     bins: Vec<u64>,
 }
 
@@ -32,12 +32,12 @@ struct Extreme {
 }
 
 impl Column {
-    /// Begins without rows; `bins` asks for a histogram.
+    /// Without rows yet; `bins` requests a histogram.
     pub fn new(bins: Option<Bins>) -> Self {
         Self { bins: bins.map_or(Vec::new(), |bins| vec![0; bins.bins as usize + 2]), ..Self::default() }
     }
 
-    /// Adds rows from `first_row` on, a missing value being NaN.
+    /// Adds rows from `first_row` on, with NaN for missing values.
     pub fn add(&mut self, bins: Option<Bins>, first_row: u64, values: &[f64]) {
         if let Some(moments) = Moments::of(values).filter(Moments::is_finite) {
             self.add_finite(bins, values, moments, |place| first_row + place as u64);
@@ -79,7 +79,7 @@ impl Column {
         self.merge_moments(count, mean, squares);
     }
 
-    /// T. Chan, G. Golub and R. LeVeque, "Algorithms for computing the sample variance" (1983).
+    /// Update formulas of T. Chan, G. Golub and R. LeVeque, "Algorithms for computing the sample variance" (1983).
     fn merge_moments(&mut self, count: u64, mean: f64, squares: f64) {
         if count == 0 {
             return;
@@ -91,7 +91,7 @@ impl Column {
         self.count += count;
     }
 
-    /// Adds the rows of another column, all of which come later.
+    /// Merges the statistics of later rows.
     pub fn merge(&mut self, later: &Self) {
         self.nulls += later.nulls;
         if let Some(minimum) = later.minimum.filter(|l| self.minimum.is_none_or(|s| l.value < s.value)) {
@@ -107,7 +107,7 @@ impl Column {
         self.merge_moments(later.count, later.mean, later.squares);
     }
 
-    /// The statistics, as the file has them.
+    /// The statistics in the form of the file.
     ///
     /// # Errors
     /// A table of points cannot be read.
@@ -146,7 +146,7 @@ impl Column {
     }
 }
 
-/// An extreme with its row and the point of the design that it stands for.
+/// An extreme with its row and that row's point of the design.
 fn described(study: &Study, extreme: Option<Extreme>) -> Result<Value, Error> {
     let Some(Extreme { value, row }) = extreme else { return Ok(Value::Null) };
     Ok(json!({ "value": value, "row": row, "at": point_of(study, row)? }))

@@ -1,26 +1,26 @@
-//! The Pareto front of some columns: the rows that no other row betters in one of them without being worse in another.
+//! The Pareto front of some columns: the rows that no other row betters in one column without being worse in another.
 //!
-//! Of rows with the same values the first is kept, so that fronts of pieces, merged in order, are the front of the whole.
+//! Of rows with the same values the first is kept, so that fronts of pieces, merged in order, give the front of the whole.
 
 use serde::{Deserialize, Serialize};
 
-/// Points of a front at most: each part keeps them all.
+/// Maximum number of points of a front: each part stores them all.
 pub const MOST: usize = 10_000;
 
 /// The front of the rows so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Front {
-    /// Row and values of each point, signed so that small is good, by their first column.
+    /// Row and values of each point, with signs such that small is good, sorted by the first column.
     points: Vec<(u64, Vec<f64>)>,
     /// Whether there were more points than [`MOST`].
     overflown: bool,
 }
 
 impl Front {
-    /// Adds a row, unless another is as good in all columns.
+    /// Adds a row, unless another one is at least as good in all columns.
     ///
-    /// Only points whose first column is no larger can be as good as the row, and the row as good only as the others. Of
-    /// two columns, the second falls along the front: then the nearest points decide, and an addition takes O(log n).
+    /// Only points whose first column is no larger can be as good as the row, and only the others can be dominated by it. With
+    /// two columns, the second falls along the front: the nearest points then decide, and an addition takes O(log n).
     pub fn add(&mut self, row: u64, values: &[f64]) {
         let as_good = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
         let two_columns = values.len() == 2;
@@ -43,7 +43,7 @@ impl Front {
         }
     }
 
-    /// Adds the front of rows that all come later.
+    /// Merges the front of later rows.
     pub fn merge(&mut self, later: &Self) {
         self.overflown |= later.overflown;
         later.points.iter().for_each(|(row, values)| self.add(*row, values));
@@ -56,7 +56,7 @@ impl Front {
         points
     }
 
-    /// Whether no point was left out.
+    /// Whether no point was dropped.
     pub fn is_complete(&self) -> bool {
         !self.overflown
     }

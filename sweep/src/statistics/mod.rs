@@ -1,7 +1,7 @@
-//! What a study's results come to, without its rows: mean, variance, extremes, quantiles and histograms of each column.
+//! Statistics of a study's results, without its rows: mean, variance, extremes, quantiles and histograms of each column.
 //!
-//! Each part has its [`State`]; those of all parts, merged in the parts' order, are the study's, so that shards and threads make
-//! no difference to a bit of it. Memory does not grow with the rows.
+//! Each part has its [`State`]; those of all parts, merged in order, are the study's, so that shards and threads do not change a
+//! bit of it. Memory does not grow with the rows.
 
 mod column;
 mod front;
@@ -27,10 +27,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// What is known of the rows so far.
+/// Statistics of the rows so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Identity of the plan that these statistics follow ([`Plan::identity`]).
+    /// Identity of the plan of these statistics ([`Plan::identity`]).
     pub plan: String,
     columns: Vec<Column>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,14 +38,14 @@ pub struct State {
 }
 
 impl State {
-    /// Begins without rows.
+    /// Without rows yet.
     pub fn new(plan: &Plan) -> Self {
         let column = |name: &String| Column::new(plan.bins(name));
         let front = plan.pareto.as_ref().map(|_| Front::default());
         Self { plan: plan.identity(), columns: plan.columns.iter().map(column).collect(), front }
     }
 
-    /// Adds rows from `first_row` on: the plan's columns, a missing value being NaN.
+    /// Adds rows from `first_row` on: the plan's columns, with NaN for missing values.
     pub fn add<'v>(&mut self, plan: &Plan, first_row: u64, values: impl Iterator<Item = &'v [f64]>) {
         let values: Vec<&[f64]> = values.collect();
         for ((name, column), values) in plan.columns.iter().zip(&mut self.columns).zip(&values) {
@@ -65,7 +65,7 @@ impl State {
         }
     }
 
-    /// Adds the rows of another state, all of which come later.
+    /// Merges the state of later rows.
     pub fn merge(&mut self, later: &Self) {
         for (column, later) in self.columns.iter_mut().zip(&later.columns) {
             column.merge(later);
@@ -75,7 +75,7 @@ impl State {
         }
     }
 
-    /// The statistics, as the file has them.
+    /// The statistics in the form of the file.
     ///
     /// # Errors
     /// A table of points cannot be read.
@@ -107,7 +107,7 @@ impl State {
     }
 }
 
-/// A Pareto front, each point with its row and where it is in the design.
+/// A Pareto front, each point with its row and its point of the design.
 fn described_front(study: &Study, goals: &Goals, front: &Front) -> Result<Value, Error> {
     let sorted = front.sorted();
     let at = points_of(study, sorted.iter().map(|(row, _)| *row).collect())?;
@@ -133,7 +133,7 @@ pub fn of_file(plan: &Plan, path: &Path, first_row: u64) -> Result<State, Error>
     let names: Vec<&str> = plan.columns.iter().map(String::as_str).collect();
     let mut state = State::new(plan);
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); plan.columns.len()];
-    // Pieces are cut as when the rows are solved, so that the sums are the same bit for bit.
+    // Chunks as when the rows are solved, so that the sums agree bit for bit.
     let mut begin = first_row;
     for batch in reader::read(path, Some(&names), 0)? {
         let batch = batch.map_err(|error| Error::arrow(path, error))?;

@@ -1,12 +1,12 @@
-//! Mean, sum of squared deviations, least and largest of some numbers: eight at a time by the machine's widest instructions.
+//! Mean, sum of squared deviations, minimum and maximum of some numbers: eight at a time with the machine's widest instructions.
 //!
-//! The eight sums are added in one order and nothing is fused, so that the results are the same bits on every machine.
+//! The eight sums are added in a fixed order without fused operations, so that results are bit-identical on all machines.
 
 use pulp::{Arch, Simd, WithSimd};
 
 const LANES: usize = 8;
 
-/// What is known of some numbers. Nothing of it counts where one of them is not finite.
+/// Moments of some numbers; invalid if one of them is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
     /// Number of values.
@@ -22,12 +22,12 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of some numbers; none where there are none.
+    /// Moments of some numbers; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let first = *values.first()?;
         let Totals { sum, squares, least, most } = Arch::new().dispatch(Total { values, first });
         let count = values.len() as f64;
-        // One of n numbers is at most √n standard deviations from their mean: what cancels costs no more than n roundings.
+        // One of n numbers is at most √n standard deviations from their mean: cancellation costs at most n roundings.
         let squares = if least == most { 0.0 } else { (squares - sum * (sum / count)).max(0.0) };
         Some(Self { count: values.len() as u64, mean: first + sum / count, squares, least, most })
     }
@@ -41,7 +41,7 @@ impl Moments {
 struct Totals {
     /// Sum of the differences from the first value.
     sum: f64,
-    /// Of their squares.
+    /// Sum of their squares.
     squares: f64,
     least: f64,
     most: f64,

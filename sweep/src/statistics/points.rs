@@ -1,4 +1,4 @@
-//! Where rows are in the design: their varied quantities by name.
+//! Points of rows in the design: their varied quantities by name.
 
 use crate::error::Error;
 use crate::study::Study;
@@ -10,8 +10,8 @@ pub fn point_of(study: &Study, row: u64) -> Result<Map<String, Value>, Error> {
     Ok(points_of(study, vec![row])?.remove(&row).unwrap_or_default())
 }
 
-/// The varied quantities of each of some rows by name. Rows that lie near one another are taken from the design at once,
-/// since a table is read from some way before them.
+/// The varied quantities of some rows by name. Nearby rows are taken from the design together, because reading a table starts
+/// some way before them.
 pub fn points_of(study: &Study, mut rows: Vec<u64>) -> Result<BTreeMap<u64, Map<String, Value>>, Error> {
     const NEAR: u64 = 4096;
     rows.sort_unstable();

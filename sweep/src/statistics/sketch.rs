@@ -1,56 +1,56 @@
-//! A mergeable sketch of a distribution: counts in buckets that are no wider than the number of different values asks for.
+//! A mergeable sketch of a distribution: counts in buckets no wider than the number of different values requires.
 //!
-//! A bucket holds the numbers that agree in all but their last binary digits. At first no digit is left out, and every
-//! quantile is exact. Where there are more than [`MOST`] buckets, as many digits are left out, of all numbers alike, as
-//! bring them down to that, but never so many that a quantile errs by more than [`ERROR`] of itself: a DDSketch (C. Masson,
-//! J. Rim and H. Lee, "DDSketch: a fast and fully-mergeable quantile sketch with relative-error guarantees", 2019) with its
-//! bucket taken from the number's bits instead of a logarithm, which collapses evenly (I. Epicoco, C. Melle, M. Cafaro,
-//! M. Pulimeno and G. Morleo, "UDDSketch: accurate tracking of quantiles in data streams", 2020). Buckets are narrow where the
-//! numbers lie close together, however large they are.
+//! A bucket holds the numbers that agree in all but their last binary digits. Initially no digit is dropped, and every quantile
+//! is exact. If there are more than [`MOST`] buckets, as many digits of all numbers are dropped as reduce them to that, but never
+//! so many that a quantile has a relative error above [`ERROR`]: a DDSketch (C. Masson, J. Rim and H. Lee, "DDSketch: a fast and
+//! fully-mergeable quantile sketch with relative-error guarantees", 2019) with buckets taken from the number's bits instead of a
+//! logarithm, which collapses uniformly (I. Epicoco, C. Melle, M. Cafaro, M. Pulimeno and G. Morleo, "UDDSketch: accurate
+//! tracking of quantiles in data streams", 2020). Buckets are narrow where numbers are close together, regardless of their
+//! magnitude.
 //!
-//! How many digits are left out follows from the set of all numbers: some of them never need more than all of them. So the
-//! order and the pieces of counting make no difference.
+//! The number of dropped digits depends only on the set of all numbers, and a subset never needs more than the whole. The order
+//! and division of the counting therefore make no difference.
 
 use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// Buckets that are kept as they are.
+/// Number of buckets above which digits are dropped.
 pub const MOST: usize = 1 << 12;
 /// Binary digits after the leading one that are always kept.
 const DIGITS: u32 = 10;
-/// Digits that are left out at most.
+/// Maximum number of dropped digits.
 const COARSEST: u32 = f64::MANTISSA_DIGITS - 1 - DIGITS;
 /// Largest relative error of a quantile: half a bucket's width.
 pub const ERROR: f64 = 1.0 / (1u64 << (DIGITS + 1)) as f64;
 
-/// Counts of the numbers seen.
+/// Counts of the numbers added.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(try_from = "Stored", into = "Stored")]
 pub struct Sketch {
-    /// How many digits are left out.
+    /// Number of dropped digits.
     left_out: u32,
-    /// Counts of the buckets from this one on, among which most numbers fall: to count there is quick.
+    /// Counts of consecutive buckets from this one on, which contain most numbers: counting is fast there.
     first: u64,
     window: Vec<u64>,
-    /// Counts of the others.
+    /// Counts of the other buckets.
     beyond: HashMap<u64, u64, FixedState>,
 }
 
-/// Buckets of the window: room for [`MOST`] with gaps between them.
+/// Number of buckets of the window: room for [`MOST`] with gaps between them.
 const WINDOW: usize = 1 << 14;
 
-/// A quantile, and by how much it may differ from the exact one.
+/// A quantile, and the bound on its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantile {
-    /// Between the middles of two buckets, or one; in the unit of the numbers.
+    /// Centre of a bucket, or between two of them; in the unit of the numbers.
     pub value: f64,
-    /// Largest difference from the exact one, in the same unit.
+    /// Largest difference from the exact quantile, in the same unit.
     pub error: f64,
 }
 
 impl Sketch {
-    /// Counts finite numbers whose least and largest are known.
+    /// Counts finite numbers with known minimum and maximum.
     pub fn add(&mut self, values: &[f64], least: f64, most: f64) {
         let left_out = self.left_out;
         let bucket = |value: f64| place(value) >> left_out;
@@ -103,14 +103,14 @@ impl Sketch {
         sorted
     }
 
-    /// Leaves out the digits that are one too many for [`MOST`] buckets, as far as they may be.
+    /// Drops the digits needed to have at most [`MOST`] buckets, as far as allowed.
     fn bring_down(&mut self) {
         let in_window = || self.window.iter().filter(|count| **count > 0).count();
         if self.left_out == COARSEST || in_window() + self.beyond.len() <= MOST {
             return;
         }
         let sorted = self.sorted();
-        // Two neighbours fall into one bucket when the highest digit in which they differ is left out.
+        // Two neighbours merge when the highest digit in which they differ is dropped.
         let mut apart_by = [0; u64::BITS as usize];
         sorted.windows(2).for_each(|two| apart_by[(two[0].0 ^ two[1].0).ilog2() as usize] += 1);
         let (mut buckets, mut left_out) = (sorted.len(), self.left_out);
@@ -124,16 +124,16 @@ impl Sketch {
         self.leave_out(left_out, sorted);
     }
 
-    /// Leaves out so many digits of these buckets, which are its own by value.
+    /// Drops digits from these buckets, which are this sketch's, sorted by value, until `digits` are dropped.
     fn leave_out(&mut self, digits: u32, sorted: Vec<(u64, u64)>) {
         let more = digits - self.left_out;
         *self = Self::of(digits, sorted.into_iter().map(|(bucket, count)| (bucket >> more, count)).collect());
     }
 
-    /// With these buckets and counts, by value, and the window in their middle.
+    /// A sketch with these buckets and counts, sorted by value, and the window centred on them.
     fn of(left_out: u32, sorted: Vec<(u64, u64)>) -> Self {
         let middle = sorted.get(sorted.len() / 2).map_or(0, |(bucket, _)| *bucket);
-        // Few numbers need none.
+        // Few numbers need no window.
         let window = vec![0; if left_out > 0 { WINDOW } else { 0 }];
         let first = middle.saturating_sub(window.len() as u64 / 2);
         let mut sketch = Self { left_out, first, window, beyond: HashMap::default() };
@@ -141,7 +141,7 @@ impl Sketch {
         sketch
     }
 
-    /// The quantiles of some probabilities from 0 to 1, interpolated between order statistics as numpy does; none without
+    /// The quantiles for some probabilities from 0 to 1, interpolated between order statistics as in numpy; `None` without
     /// numbers.
     pub fn quantiles(&self, probabilities: &[f64]) -> Vec<Option<Quantile>> {
         let sorted = self.sorted();
@@ -157,7 +157,7 @@ impl Sketch {
         probabilities.iter().map(of).collect()
     }
 
-    /// About the number with so many below it: the middle of its bucket.
+    /// The number with this rank, approximated by the centre of its bucket.
     fn at_rank(&self, sorted: &[(u64, u64)], rank: u64) -> Quantile {
         let mut below = 0;
         let bucket = sorted.iter().find(|(_, count)| {
@@ -167,32 +167,32 @@ impl Sketch {
         let Some((bucket, _)) = bucket else { return Quantile { value: f64::NAN, error: f64::NAN } };
         let first = bucket << self.left_out;
         let (low, high) = (value(first), value(first | ((1 << self.left_out) - 1)));
-        // Zero is in a bucket with numbers that no result is as small as.
+        // Zero shares its bucket with numbers smaller than any result.
         let half = if low == 0.0 { 0.0 } else { 0.5 * (high - low) };
         Quantile { value: low + half, error: half }
     }
 }
 
 impl PartialEq for Sketch {
-    /// Where the window is makes no difference.
+    /// Independent of the position of the window.
     fn eq(&self, other: &Self) -> bool {
         (self.left_out, self.sorted()) == (other.left_out, other.sorted())
     }
 }
 
-/// The place of a number among all: whole numbers in the same order.
+/// Maps a number to an integer in the same order.
 fn place(value: f64) -> u64 {
-    // Zero has one sign here.
+    // Both zeros map to the same integer.
     let bits = (value + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
-/// The number at a place.
+/// The number of an integer from [`place`].
 fn value(place: u64) -> f64 {
     f64::from_bits(if place >> 63 == 1 { place & !(1 << 63) } else { !place })
 }
 
-/// Buckets in order, each with its distance from the one before and its count.
+/// Sorted buckets, each with its distance from the previous one and its count.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     left_out: u32,
@@ -250,12 +250,12 @@ mod tests {
         (below + (above - below) * rank.fract(), below.abs().max(above.abs()))
     }
 
-    /// Numbers from 0 to 1, as evenly as any.
+    /// Numbers spread evenly over 0 to 1.
     fn even(count: u32) -> impl Iterator<Item = f64> {
         (0..count).map(|i| (f64::from(i) * 0.618_033_988_749_894_9).fract())
     }
 
-    /// Magnitudes as results have them, or numbers close to each other: few of them, or more than there are buckets.
+    /// Magnitudes as in results, or numbers close together: few, or more than there are buckets.
     fn values() -> impl Strategy<Value = Vec<f64>> {
         let wide = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e)), -1.0..1.0f64];
         let close = (1u32..20_000, -1e6..1e6f64, 0.0..1e3f64);
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn the_error_follows_the_spread_of_the_numbers_and_not_their_size_or_a_stray_one() {
-        // 825 Pa between two quantiles at 1e6 Pa, and a number far away.
+        // Two quantiles 825 Pa apart near 1e6 Pa, and an outlier.
         let mut values: Vec<f64> = even(300_000).map(|share| 1e6 + 825.0 / 0.95 * share).collect();
         values.push(3.7);
         let sketch = of(&values);

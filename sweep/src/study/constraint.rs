@@ -1,26 +1,26 @@
-//! Constraints between quantities: which points of a design make sense, before any row is solved.
+//! Constraints between quantities: exclude points of a design before they are solved.
 //!
-//! `dead_volume_m3 < 0.2 * stroke_volume_m3`: two or more terms of numbers, quantities and what follows from the geometry,
-//! with `+ - * / ^` and parentheses, compared by `<`, `<=`, `>` or `>=`. A row that breaks a constraint is left out: it has its
-//! number, its quantities, nulls and the status `left_out`. A term without a value (0/0) keeps no constraint.
+//! `dead_volume_m3 < 0.2 * stroke_volume_m3`: two or more terms of numbers, quantities and values derived from the geometry, with
+//! `+ - * / ^` and parentheses, compared by `<`, `<=`, `>` or `>=`. A row that violates a constraint is left out: it has its
+//! number, its quantities, nulls and the status `left_out`. A term without a value (0/0) violates the constraint.
 
 use crate::quantity::Base;
 use crate::quantity::point::Point;
 use crate::result::final_geometry;
 use ensemble::Scenario;
 
-/// A comparison that a row has to satisfy in order to be solved.
+/// A comparison that a row must satisfy to be solved.
 #[derive(Clone, Debug)]
 pub struct Constraint {
-    /// As the study file writes it.
+    /// As written in the study file.
     pub text: String,
     /// At least two.
     pub terms: Vec<Term>,
-    /// Between each term and the next.
+    /// Relations between consecutive terms.
     pub relations: Vec<Relation>,
 }
 
-/// How a term compares with the next.
+/// Relation of a term to the next.
 #[derive(Clone, Copy, Debug)]
 pub enum Relation {
     Less,
@@ -29,7 +29,7 @@ pub enum Relation {
     AtLeast,
 }
 
-/// A number of a row, by where it comes from.
+/// A term of a constraint, by its source.
 #[derive(Clone, Debug)]
 pub enum Term {
     Number(f64),
@@ -39,7 +39,7 @@ pub enum Term {
     Two(Box<Term>, char, Box<Term>),
 }
 
-/// What follows from the geometry of a row.
+/// Values derived from the geometry of a row.
 #[derive(Clone, Copy, Debug)]
 pub enum Geometry {
     StrokeVolume,
@@ -50,7 +50,7 @@ pub enum Geometry {
 }
 
 impl Constraint {
-    /// The quantities it rests on; of what follows from the geometry, those that shape it.
+    /// The quantities it depends on; for derived values, those that determine the geometry.
     pub fn quantities(&self) -> Vec<usize> {
         let mut found = Vec::new();
         self.terms.iter().for_each(|term| term.quantities(&mut found));
@@ -103,7 +103,7 @@ impl Term {
     }
 }
 
-/// A quantity of a row: as it is solved for where it is, else as the point has it.
+/// A quantity of a row: the solved value if there is one, else the point's.
 fn quantity_of(place: usize, point: &Point, scenario: &Scenario) -> f64 {
     let is = |base: Base| place == base as usize;
     match () {

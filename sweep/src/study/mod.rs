@@ -1,9 +1,9 @@
-//! A study: a base model, the push-and-hold test, what varies and by which design.
+//! A study: a base model, the push-and-hold test, the varied quantities and the design.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `constraint` | which points make sense |
-//! | [`plan`] | which statistics are asked for |
+//! | `constraint` | which points are solved |
+//! | [`plan`] | requested statistics |
 
 pub(crate) mod constraint;
 pub mod plan;
@@ -23,33 +23,33 @@ use records::Model;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
-/// A quantity that varies.
+/// A varied quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Varied {
-    /// Name of its column: as the study has it.
+    /// Name of its column, as in the study.
     pub column: String,
-    /// Its place among [`quantity::all`].
+    /// Its index in [`quantity::all`].
     pub quantity: usize,
 }
 
-/// A study as its file has it, checked.
+/// A checked study.
 #[derive(Debug)]
 pub struct Study {
     /// Name of the study; that of its file unless stated.
     pub name: String,
     /// The file it was read from.
     pub path: PathBuf,
-    /// The model from which everything comes that does not vary.
+    /// The model, which supplies everything that does not vary.
     pub model: Model,
-    /// The model file's effects that are left out here: those on the record of a stroke, as a study's is the true one.
+    /// The model's effects ignored here: those on the stroke record, as a study's stroke is the true one.
     pub left_out: EffectSet,
-    /// A value for every quantity that does not vary.
+    /// Values of all quantities that do not vary.
     pub base: Point,
-    /// What varies, in the order of the columns.
+    /// The varied quantities, in column order.
     pub varied: Vec<Varied>,
-    /// The points at which the test is computed.
+    /// The points at which the test is simulated.
     pub design: Design,
-    /// What a row has to keep in order not to be left out.
+    /// Conditions that a row must satisfy, else it is left out.
     pub constraints: Vec<Constraint>,
     /// Seed of the sampled designs.
     pub seed: u64,
@@ -57,15 +57,15 @@ pub struct Study {
     pub rows: u64,
     /// Whether the paper's regression is carried out for each row.
     pub fit: bool,
-    /// How the equations are solved.
+    /// The solver of the equations.
     pub solver: Solver,
     /// Relative tolerance of the adaptive integration.
     pub tolerance: f64,
     /// Number of files that the rows are divided into.
     pub parts: u64,
-    /// Statistics of the results, where they are asked for. They are no part of what makes a row.
+    /// Requested statistics of the results, if any. They do not affect the rows.
     pub statistics: Option<Plan>,
-    /// What stands in the study file without effect, in sentences.
+    /// Ineffective settings in the study file, in sentences.
     pub notes: Vec<String>,
     /// Number of base samples of a sampled design.
     pub(crate) samples: Option<u64>,
@@ -74,7 +74,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// The rows of a part: parts differ by one row at most.
+    /// The rows of a part: parts differ by at most one row.
     pub fn rows_of(&self, part: u64) -> std::ops::Range<u64> {
         let start = |part: u64| (u128::from(self.rows) * u128::from(part) / u128::from(self.parts)) as u64;
         start(part)..start(part + 1)
@@ -85,7 +85,7 @@ impl Study {
         file_names::part(part, self.parts)
     }
 
-    /// The study with every number it rests on, as JSON: what is written beside its rows.
+    /// The study with all its numbers as JSON, stored with its rows.
     pub fn json(&self) -> Value {
         let mut study = json!({ "name": self.name, "design": self.design.name() });
         if let Some(samples) = self.samples {
@@ -116,7 +116,7 @@ impl Study {
         study
     }
 
-    /// The numbers that do not vary, by name; of effects only those that are on.
+    /// The fixed numbers, by name; only for active effects.
     fn fixed(&self) -> Map<String, Value> {
         let mut fixed = Map::new();
         let effects = self.effects();
@@ -130,7 +130,7 @@ impl Study {
         fixed
     }
 
-    /// Says what varies: the table's file and its columns, or each axis with its correlations.
+    /// Adds what varies: the table's file and its columns, or each axis with its correlations.
     fn describe_points(&self, study: &mut Value) {
         match &self.design {
             Design::Table(table) => {
@@ -161,7 +161,7 @@ impl Study {
         OUTPUTS.iter().filter(move |o| has(o.when) && !self.varied.iter().any(|v| v.column == o.name))
     }
 
-    /// Effects that are on in some row. The same for all rows, whatever the chunk, so that a row's bits are its own.
+    /// Effects that are on in some row. The same for all rows and chunks, so that a row's bits depend on the row alone.
     pub fn effects(&self) -> EffectSet {
         let mut values = EffectValues::NEUTRAL;
         values.0.copy_from_slice(self.base.effects());
@@ -169,14 +169,14 @@ impl Study {
         values.active().union(varied.map(|(effect, _)| effect).collect())
     }
 
-    /// Gives a point the varied quantities of one row of their columns.
+    /// Sets the varied quantities of a point from one row of their columns.
     pub fn vary(&self, point: &mut Point, columns: &[Vec<f64>], row: usize) {
         for (varied, column) in self.varied.iter().zip(columns) {
             point.0[varied.quantity] = column[row];
         }
     }
 
-    /// Gives the effects of the study's model the parameters of a point that vary.
+    /// Sets the varied parameters of a point in the effects of the study's model.
     pub fn vary_effects(&self, point: &Point, effects: &mut EffectValues) {
         for varied in &self.varied {
             if let Some(parameter) = quantity::parameter(varied.quantity) {
@@ -185,7 +185,7 @@ impl Study {
         }
     }
 
-    /// SHA-256 of the study and the program's version: rows belong together where this is the same.
+    /// SHA-256 of the study and the program's version: rows belong together if it is the same.
     pub fn identity(&self) -> String {
         let text = format!("{} {}", env!("CARGO_PKG_VERSION"), self.json());
         hash::of_bytes(text.as_bytes())

@@ -1,4 +1,4 @@
-//! Which statistics a study asks for.
+//! The statistics requested by a study.
 
 use crate::error::Error;
 use crate::hash;
@@ -6,10 +6,10 @@ use crate::result::outputs::Output;
 use serde::Serialize;
 use serde_json::json;
 
-/// Probabilities of the quantiles unless the study says otherwise.
+/// Default probabilities of the quantiles.
 pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 
-/// The statistics that a study asks for.
+/// The statistics requested by a study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// The columns, in the order of the table.
@@ -18,7 +18,7 @@ pub struct Plan {
     pub quantiles: Vec<f64>,
     /// Histograms by column.
     pub histograms: Vec<(String, Bins)>,
-    /// The Pareto front, where one is asked for.
+    /// The Pareto front, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pareto: Option<Goals>,
 }
@@ -28,7 +28,7 @@ pub struct Plan {
 pub struct Bins {
     /// Lower edge of the first.
     pub from: f64,
-    /// Upper edge of the last, which belongs to it.
+    /// Upper edge of the last, inclusive.
     pub to: f64,
     /// Number of bins.
     pub bins: u64,
@@ -44,7 +44,7 @@ pub struct Goals {
 }
 
 impl Goals {
-    /// The columns, those that should be small first, each with the sign that makes small what is good.
+    /// The columns, minimised ones first, each with the sign that makes small values good.
     pub fn columns(&self) -> impl Iterator<Item = (&str, f64)> {
         self.minimise
             .iter()
@@ -53,7 +53,7 @@ impl Goals {
     }
 }
 
-/// Why a name is none of a study's results, in words that follow it.
+/// Why a name is no result of the study, in words that follow it.
 pub fn no_result(name: &str, results: &[String]) -> String {
     let hint = records::nearest(name, results.iter().map(String::as_str));
     let hint = hint.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
@@ -67,10 +67,10 @@ impl Plan {
         Self { columns, quantiles: QUANTILES.to_vec(), histograms: Vec::new(), pareto: None }
     }
 
-    /// Some computed columns of a study, all unless named, with the quantiles of some probabilities.
+    /// Selected computed columns of a study, by default all, with the quantiles of the given probabilities.
     ///
     /// # Errors
-    /// A column that the study does not compute, a probability beyond 0 to 1.
+    /// A column that the study does not compute, or a probability outside 0 to 1.
     pub fn picked(
         outputs: impl Iterator<Item = &'static Output>,
         columns: Option<&[String]>,
@@ -94,14 +94,14 @@ impl Plan {
         Ok(plan)
     }
 
-    /// What two states have to have in common to be merged.
+    /// Identity that two states must share to be merged.
     pub fn identity(&self) -> String {
         let mut asked = vec![json!(self.columns), json!(self.histograms)];
         asked.extend(self.pareto.iter().map(|goals| json!(goals)));
         hash::of_bytes(json!(asked).to_string().as_bytes())
     }
 
-    /// The histogram of a column, where one is asked for.
+    /// The histogram of a column, if requested.
     pub fn bins(&self, column: &str) -> Option<Bins> {
         self.histograms.iter().find(|(name, _)| name == column).map(|(_, bins)| *bins)
     }

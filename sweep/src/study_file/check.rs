@@ -1,8 +1,8 @@
-//! What a study asks for against its cylinder and its test, before any row is solved: values that no row could use.
+//! Checks a study against its cylinder and its test, before any row is solved: finds values that no row could use.
 //!
-//! A rule holds between two quantities. In a design of axes a value is refused where it breaks the rule with every value
-//! of the other one; single combinations of an axis with another are rows with their reason. A table's rows are what
-//! they are: the first that breaks a rule is refused.
+//! A rule relates two quantities. In a design of axes a value is refused if it violates the rule with every value of the other
+//! quantity; single invalid combinations of axes become rows with a reason. A table's rows are fixed: the first that violates a
+//! rule is refused.
 
 use crate::quantity::point::Point;
 use crate::quantity::{self, Base};
@@ -14,16 +14,16 @@ use report::number::shortest;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-/// A value that cannot be, and why: "takes 0.03: a rod has to be thinner than the bore, 0.02 at most".
+/// An invalid value, and why: "takes 0.03: a rod has to be thinner than the bore, 0.02 at most".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused {
-    /// The quantity whose value it is.
+    /// The quantity of the value.
     pub quantity: usize,
-    /// What is wrong with it.
+    /// The problem.
     pub message: String,
 }
 
-/// Where the values of each quantity lie; empty where it is not given.
+/// Range of each quantity's values; `None` if it is not given.
 pub struct Bounds(Vec<Option<RangeInclusive<f64>>>);
 
 impl Bounds {
@@ -50,7 +50,7 @@ impl Bounds {
     }
 }
 
-/// The first value that no row could use.
+/// Finds the first value that no row could use.
 ///
 /// # Errors
 /// That value.
@@ -80,7 +80,7 @@ pub fn check(bounds: &Bounds, model: &Model, solver: Solver) -> Result<(), Refus
     ratio(bounds, model)
 }
 
-/// Flows, and effects that have to be integrated, stay off where nothing but the closed form is taken.
+/// Flows, and effects that require integration, must stay off if only the closed form is allowed.
 fn closed_form(bounds: &Bounds) -> Result<(), Refused> {
     let has_to_stay = |quantity: usize, neutral: f64, with: &dyn Display| match &bounds.0[quantity] {
         Some(range) if [range.start(), range.end()].iter().any(|value| **value != neutral) => {
@@ -103,7 +103,7 @@ fn closed_form(bounds: &Bounds) -> Result<(), Refused> {
     Ok(())
 }
 
-/// `a` has to be less than `b`, or as much where `or_equal` says so.
+/// `a` must be less than `b`, or equal if `or_equal`.
 fn less(bounds: &Bounds, a: Base, b: Base, or_equal: bool, why: &str) -> Result<(), Refused> {
     let (Some(of_a), Some(of_b)) = (bounds.get(a), bounds.get(b)) else { return Ok(()) };
     let fits = |a: f64, b: f64| a < b || (or_equal && a == b);
@@ -127,7 +127,7 @@ fn positive(bounds: &Bounds, base: Base, why: &str) -> Result<(), Refused> {
     }
 }
 
-/// A volume-to-area ratio stays below what an endless bore or an endless length gives.
+/// A volume-to-area ratio must stay below that of an infinite bore or length.
 fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
     let law = model.chamber.geometry.area_law;
     if let (Some(most), Some(stroke)) = (bounds.most(Base::VolumeToArea), bounds.most(Base::FinalStroke))
@@ -142,7 +142,7 @@ fn ratio(bounds: &Bounds, model: &Model) -> Result<(), Refused> {
     a_length(bounds, law)
 }
 
-/// A volume-to-area ratio is one that some length gives at some bore.
+/// A volume-to-area ratio must be possible with some length at some bore.
 fn a_length(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
     let Some(wanted) = bounds.get(Base::VolumeToAreaByLength) else { return Ok(()) };
     let [Some(bores), Some(rods), Some(dead)] = [Base::Bore, Base::Rod, Base::DeadVolume].map(|base| bounds.get(base))
@@ -164,7 +164,7 @@ fn a_length(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
     Err(refused(Base::VolumeToAreaByLength, &message))
 }
 
-/// A volume-to-area ratio is one that some bore gives: the greatest at the most volume, the least at the least.
+/// A volume-to-area ratio must be possible with some bore: the greatest at the largest volume, the least at the smallest.
 fn a_bore(bounds: &Bounds, law: AreaLaw) -> Result<(), Refused> {
     let (Some(wanted), Some(rods)) = (bounds.get(Base::VolumeToArea), bounds.get(Base::Rod)) else { return Ok(()) };
     let ratios = |volume: fn(&Bounds, Base) -> Option<f64>| {

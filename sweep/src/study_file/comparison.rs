@@ -1,13 +1,13 @@
-//! The text of a constraint, read by recursive descent.
+//! Parses the text of a constraint by recursive descent.
 
 use super::names;
 use crate::result::outputs;
 use crate::study::constraint::{Constraint, Geometry, Relation, Term};
 
-/// Characters of a constraint at most; nesting follows.
+/// Length limit of a constraint, characters; it also limits the nesting.
 const LONGEST: usize = 500;
 
-/// Names of what follows from the geometry.
+/// Names of values derived from the geometry.
 const GEOMETRY: [(&str, Geometry); 5] = [
     ("stroke_volume_m3", Geometry::StrokeVolume),
     ("initial_volume_m3", Geometry::InitialVolume),
@@ -19,7 +19,7 @@ const GEOMETRY: [(&str, Geometry); 5] = [
 /// A constraint from its text.
 ///
 /// # Errors
-/// What is wrong with it, in words that follow it.
+/// The problem with it, in words that follow it.
 pub fn parse(text: &str) -> Result<Constraint, String> {
     if text.len() > LONGEST {
         return Err(format!("is longer than {LONGEST} characters"));
@@ -37,25 +37,25 @@ pub fn parse(text: &str) -> Result<Constraint, String> {
     Ok(Constraint { text: text.trim().to_owned(), terms, relations })
 }
 
-/// Reads a constraint from left to right; holds what is still unread.
+/// Parses a constraint from left to right; holds the unread rest.
 struct Reader<'a> {
     rest: &'a str,
 }
 
 impl Reader<'_> {
-    /// Takes so many bytes, and the blanks after them.
+    /// Consumes this many bytes, and the blanks after them.
     fn take(&mut self, length: usize) {
         self.rest = self.rest[length..].trim_start();
     }
 
-    /// Takes one of some characters, if it comes next.
+    /// Consumes one of some characters, if it comes next.
     fn one_of(&mut self, characters: &str) -> Option<char> {
         let next = self.rest.chars().next().filter(|next| characters.contains(*next))?;
         self.take(next.len_utf8());
         Some(next)
     }
 
-    /// What comes next, in words.
+    /// The next character, in words.
     fn found(&self) -> String {
         self.rest.chars().next().map_or("ends".into(), |next| format!("has `{next}`"))
     }
@@ -72,7 +72,7 @@ impl Reader<'_> {
         Ok(relation)
     }
 
-    /// A sum of products: a whole side of a comparison.
+    /// A sum of products: one side of a comparison.
     fn sum(&mut self) -> Result<Term, String> {
         let mut left = self.product()?;
         while let Some(operator) = self.one_of("+-") {
@@ -90,7 +90,7 @@ impl Reader<'_> {
         Ok(left)
     }
 
-    /// A term with its signs and its power.
+    /// A term with its sign and power.
     fn signed(&mut self) -> Result<Term, String> {
         match self.one_of("-+") {
             Some('-') => Ok(Term::Negative(self.signed()?.into())),
@@ -105,7 +105,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number, a name or something in parentheses.
+    /// A number, a name or a parenthesised sum.
     fn atom(&mut self) -> Result<Term, String> {
         if self.one_of("(").is_some() {
             let inner = self.sum()?;
@@ -140,7 +140,7 @@ impl Reader<'_> {
     }
 }
 
-/// The quantity of that name, or what follows from the geometry.
+/// The quantity of that name, or the value derived from the geometry.
 fn named(name: &str) -> Result<Term, String> {
     if let Some((_, geometry)) = GEOMETRY.iter().find(|(known, _)| *known == name) {
         return Ok(Term::Geometry(*geometry));
@@ -167,7 +167,7 @@ mod tests {
     use crate::quantity::point::Point;
     use ensemble::Scenario;
 
-    /// Whether a comparison of numbers holds.
+    /// Whether a comparison of numbers is true.
     fn holds(text: &str) -> bool {
         let chamber = chamber::Chamber::new(
             chamber::Gas::AIR,

@@ -1,4 +1,4 @@
-//! `constraints` of `[vary]`: comparisons that each depend on what varies, and name only what a row has.
+//! `constraints` of `[vary]`: comparisons that each depend on a varied quantity, and use only quantities that a row has.
 
 use super::comparison;
 use super::section::{Entry, Section};
@@ -9,12 +9,12 @@ use crate::quantity::{self, Base};
 use crate::study::Varied;
 use crate::study::constraint::Constraint;
 
-/// The key of [vary] that is no quantity.
+/// The key of [vary] that is not a quantity.
 pub const KEY: &str = "constraints";
-/// Constraints at most.
+/// Maximum number of constraints.
 const MOST_CONSTRAINTS: usize = 100;
 
-/// Quantities that a row can have without being given them, and what each then follows from.
+/// Quantities that a row can have without being given, and those they are derived from.
 const FOLLOWING: [(Base, &[Base]); 8] = [
     (Base::Bore, &[Base::VolumeToArea]),
     (Base::InitialStroke, &[Base::VolumeToAreaByLength]),
@@ -35,7 +35,7 @@ pub fn read(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]
         ));
     }
     let varies = |place: &usize| varied.iter().any(|v| v.quantity == *place);
-    // Quantities that each row has, though they are neither given nor varied, and what they follow from.
+    // Quantities that each row has although neither given nor varied, and those they are derived from.
     let follows =
         |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
     let parsed = |text: &&str| {

@@ -1,14 +1,14 @@
-//! Study files. Unknown keys and values out of range are refused with file, line and key.
+//! Study files. Unknown keys and values out of range are refused, with file, line and key.
 //!
 //! | module | reads |
 //! |---|---|
 //! | `read` | a whole file: [`Study::read`](crate::Study::read) |
 //! | `section` | one of its tables, key by key |
-//! | `names` | what people may call a quantity |
+//! | `names` | accepted names of a quantity |
 //! | `points`, `vary` | `[vary]`, or the columns of a table |
-//! | `constraints`, `comparison` | which points make sense |
+//! | `constraints`, `comparison` | which points are solved |
 //! | `test` | `[test]` |
-//! | `size` | how many rows and parts there may be |
+//! | `size` | limits on the numbers of rows and parts |
 //! | `check` | values that no row could use |
 //! | `statistics` | `[statistics]` |
 
@@ -32,20 +32,20 @@ use std::ops::RangeInclusive;
 pub const SOLVERS: [(&str, Solver); 3] =
     [("auto", Solver::Auto), ("exact", Solver::Exact), ("adaptive", Solver::Adaptive)];
 
-/// Relative tolerances that make sense.
+/// Allowed relative tolerances.
 const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-2;
 
-/// What takes the place of a study file's own.
+/// Settings that replace those of a study file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overrides {
-    /// How the equations are solved.
+    /// The solver of the equations.
     pub solver: Option<Solver>,
     /// Relative tolerance of the adaptive integration.
     pub tolerance: Option<f64>,
 }
 
 impl Overrides {
-    /// The tolerance, where there is one.
+    /// The tolerance, if given.
     fn tolerance(&self) -> Result<Option<f64>, Error> {
         match self.tolerance.filter(|tolerance| !TOLERANCES.contains(tolerance)) {
             None => Ok(self.tolerance),

@@ -1,23 +1,23 @@
-//! Quantities by the names that people write: dotted, or the last part alone where that is clear.
+//! Quantities by their names in files: dotted, or the last part alone if unambiguous.
 
 use crate::quantity::{Quantity, all, is_of_recorded_stroke, is_of_table};
 use crate::result::outputs;
 
-/// Why a name does not stand for one quantity.
+/// Why a name does not denote one quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NotFound {
-    /// It could mean any of these: the first by its last part, others because it stands in theirs, or a result.
+    /// It could denote any of these: one whose last part it is, others whose names contain it, or a result.
     Ambiguous(Vec<String>),
-    /// None does; perhaps this one was meant.
+    /// Unknown; perhaps this one was meant.
     Unknown(Option<&'static str>),
-    /// It belongs to an effect that acts on the record of a stroke, and a test's stroke is the true one.
+    /// It belongs to an effect on the stroke record, but a test's stroke is the true one.
     OfRecordedStroke,
-    /// It says what a model's table is of, and stays as the model has it.
+    /// It defines the contents of a model's table and stays as in the model.
     OfTable,
 }
 
 impl NotFound {
-    /// Why `name` stands for no quantity, in words that follow it.
+    /// Why `name` denotes no quantity, in words that follow it.
     pub fn words(&self, name: &str) -> String {
         match self {
             NotFound::OfRecordedStroke => {
@@ -38,9 +38,9 @@ impl NotFound {
     }
 }
 
-/// Place of the quantity of that dotted name, or of the only one whose name ends with these parts. A single part is
-/// refused, too, where its words stand in another quantity's (`pressure_pa` in `initial_pressure_pa`) or name a result:
-/// whoever wrote it may have meant that one.
+/// Index of the quantity with that dotted name, or of the only one whose name ends with these parts. A single part is also
+/// refused if its words occur in another quantity's name (`pressure_pa` in `initial_pressure_pa`) or name a result: the user may
+/// have meant that.
 pub fn find(name: &str) -> Result<usize, NotFound> {
     let exact = all().iter().position(|q| q.name == name);
     if exact.is_some_and(is_of_recorded_stroke) {
@@ -55,7 +55,7 @@ pub fn find(name: &str) -> Result<usize, NotFound> {
     })
 }
 
-/// The one quantity that a name can mean, or all that it could.
+/// The one quantity that a name can denote, or all candidates.
 fn meaning(name: &str) -> Result<usize, Vec<String>> {
     let list = all();
     if let Some(exact) = list.iter().position(|q| q.name == name) {
@@ -76,7 +76,7 @@ fn meaning(name: &str) -> Result<usize, Vec<String>> {
     }
 }
 
-/// Whether a name has these words, one after the other.
+/// Whether a name contains these words consecutively.
 fn has_words(name: &str, words: &str) -> bool {
     let (name, words): (Vec<&str>, Vec<&str>) = (name.split('_').collect(), words.split('_').collect());
     name.windows(words.len()).any(|some| some == words)
@@ -86,13 +86,13 @@ fn last_part(name: &str) -> &str {
     name.rsplit('.').next().unwrap_or(name)
 }
 
-/// The known name most like this one, among the dotted ones or their last parts, as the writer seems to prefer.
+/// The known name most similar to this one, among the dotted names or their last parts, following the user's style.
 fn nearest(name: &str) -> Option<&'static str> {
     if name.to_lowercase().starts_with("lambda") {
-        // As results, reports and the FMU call it.
+        // The name in results, reports and the FMU.
         return Some("coefficient_w_per_m2_k");
     }
-    // As a column of a trace writes it: `ambient_temperature_k`.
+    // Written like a trace column: `ambient_temperature_k`.
     if let Some(dotted) = all().iter().find(|q| q.name.replace('.', "_") == name) {
         return Some(&dotted.name);
     }

@@ -1,4 +1,4 @@
-//! The points of a study: of the axes in `[vary]`, or the rows of a table.
+//! The points of a study: from the axes in `[vary]`, or from the rows of a table.
 
 use super::check::{self, Bounds};
 use super::constraints;
@@ -20,22 +20,22 @@ use ensemble::Solver;
 use records::{Field, Model};
 use std::path::Path;
 
-/// The points, and what varies in them.
+/// The points, and the quantities that vary.
 pub struct Points<'a> {
-    /// How the points are made.
+    /// The design that generates the points.
     pub design: Design,
-    /// How many there are.
+    /// Number of points.
     pub rows: u64,
-    /// What varies, in the order of the columns.
+    /// The varied quantities, in column order.
     pub varied: Vec<Varied>,
-    /// Where `[vary]` says so, for error messages; none for a table.
+    /// Entries of `[vary]`, for error messages; empty for a table.
     entries: Vec<Field<'a>>,
     /// SHA-256 of a table's file.
     pub table_sha256: Option<String>,
 }
 
 impl Points<'_> {
-    /// Refuses values that no row could use, and rows of a table that cannot be; `base` is what does not vary.
+    /// Refuses values that no row could use, and invalid rows of a table; `base` holds the fixed values.
     pub fn check(
         &mut self,
         model: &Model,
@@ -127,7 +127,7 @@ pub fn read<'a>(
     Ok(Points { design, rows, varied, entries, table_sha256: None })
 }
 
-/// Refuses axes that a design cannot have: none, more than it has dimensions for, levels or correlations that it lacks.
+/// Refuses axes that a design cannot have: none, too many dimensions, or unsupported levels or correlations.
 fn refuse_axes(
     vary: &Section<'_>,
     entry: Field<'_>,
@@ -163,7 +163,7 @@ fn refuse_axes(
     Ok(())
 }
 
-/// A design that is read from a file: each of its columns is a quantity; `columns` picks some of them.
+/// A design read from a file: each of its columns is a quantity; `columns` selects some of them.
 fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Points<'a>, Error> {
     if let Some(entry) = vary.entries().find(|entry| entry.key() != constraints::KEY) {
         return Err(entry.because("is varied beside a table; make it a column of the table"));

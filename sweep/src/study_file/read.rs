@@ -1,4 +1,4 @@
-//! A whole study file: its own keys here, its tables in files of their own.
+//! A whole study file: reads its own keys here, and its tables in other modules.
 
 use super::constraints;
 use super::points::{self, Points};
@@ -16,28 +16,28 @@ use ensemble::{Options, Solver};
 use records::{Document, Field, Model};
 use std::path::Path;
 
-/// What `[study]` may hold. Which of it a study of that design may hold is told when all of it is read.
+/// Keys of `[study]`. Those that do not suit the design are reported after all are read.
 #[rustfmt::skip]
 const KEYS: [&str; 12] = [
     "model", "name", "design", "samples", "second_order", "table", "columns", "seed", "fit", "solver", "tolerance", "parts",
 ];
 
-/// Rows that are all looked at before the first is solved, whether the constraints leave any.
+/// Number of rows up to which all are checked, before the first is solved, for any that the constraints leave.
 const ROWS_LOOKED_AT: u64 = 1 << 14;
 
 impl Study {
     /// Reads a study file and the model it names, whose path is relative to the study's.
     ///
     /// # Errors
-    /// Whatever is wrong with either file, with its line and key.
+    /// Any error in either file, with its line and key.
     pub fn read(path: &Path) -> Result<Study, Error> {
         Study::read_with(path, Overrides::default())
     }
 
-    /// The same with some of its numbers replaced.
+    /// The same with some settings replaced.
     ///
     /// # Errors
-    /// As [`Study::read`]; also where what replaces them is wrong.
+    /// As [`Study::read`], and for invalid replacements.
     pub fn read_with(path: &Path, overrides: Overrides) -> Result<Study, Error> {
         Study::parse(&Document::read(path)?, None, overrides)
     }
@@ -50,7 +50,7 @@ impl Study {
         Study::parse(document, None, Overrides::default())
     }
 
-    /// A study from its text about a model at hand: the text names no model.
+    /// A study from its text and a given model: the text names no model.
     ///
     /// # Errors
     /// As [`Study::read`].
@@ -118,7 +118,7 @@ fn is_sampled(design: &Design) -> bool {
     !matches!(design, Design::Factorial(_) | Design::Table(_))
 }
 
-/// Keys that a study of that design does not need, in sentences.
+/// Keys without effect in a study of that design, in sentences.
 fn without_effect(study: &Section<'_>, vary: &Section<'_>, design: &Design) -> Vec<String> {
     let name = design.name();
     let samples = study.get("samples").filter(|_| !is_sampled(design));
@@ -144,7 +144,7 @@ fn tolerance(entry: Field<'_>) -> Result<f64, Error> {
     }
 }
 
-/// Whether no row is left to solve: each is left out by a constraint, or cannot be.
+/// Whether no row can be solved: each violates a constraint or is impossible.
 fn nothing_is_left(study: &Study) -> Result<bool, Error> {
     let mut points: Vec<Vec<f64>> = study.varied.iter().map(|_| Vec::new()).collect();
     study.design.fill(0..study.rows, &mut points)?;

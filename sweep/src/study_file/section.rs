@@ -1,4 +1,4 @@
-//! One table of a study file, read key by key: whatever was not asked for in the end is an error that names the line.
+//! One table of a study file, read key by key: keys not requested by the end are errors that name the line.
 
 use crate::error::Error;
 use records::key::{Bounds, KeyProblem};
@@ -6,14 +6,14 @@ use records::{Field, Table};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// A table whose keys are taken one by one.
+/// A table that records the requested keys.
 pub struct Section<'a> {
     table: Table<'a>,
     known: RefCell<Vec<String>>,
 }
 
 impl<'a> Section<'a> {
-    /// A table of which no key has been asked for.
+    /// A table of which no key has been requested.
     pub fn new(table: Table<'a>) -> Self {
         Self { table, known: RefCell::default() }
     }
@@ -23,39 +23,39 @@ impl<'a> Section<'a> {
         self.table.fields()
     }
 
-    /// The entry of that key, which is known from now on.
+    /// The entry of that key, which counts as known from now on.
     pub fn get(&self, key: &str) -> Option<Field<'a>> {
         self.known.borrow_mut().push(key.to_owned());
         self.table.field(key)
     }
 
-    /// The entry of a key that has to be there.
+    /// The entry of a required key.
     pub fn require(&self, key: &str, expected: &str) -> Result<Field<'a>, Error> {
         self.get(key).ok_or_else(|| self.missing(key, expected))
     }
 
-    /// The error of an absent key, which should hold `expected`.
+    /// The error for a missing key, which should hold `expected`.
     pub fn missing(&self, key: &str, expected: &str) -> Error {
         self.table.missing(key, expected).into()
     }
 
-    /// The error of the table as a whole; `why` says so.
+    /// An error about the table as a whole; `why` is its wording.
     pub fn because(&self, why: &str) -> Error {
         self.table.refuse("", KeyProblem::Contradiction(why.to_owned())).into()
     }
 
-    /// The table under that key, empty where it is absent.
+    /// The table under that key, empty if missing.
     pub fn section(&self, key: &str) -> Result<Section<'a>, Error> {
         self.get(key);
         Ok(Section::new(self.table.table_or_empty(key)?))
     }
 
-    /// Refuses keys that are none of `known`, before any of them is asked for.
+    /// Refuses keys that are not in `known`, before any of them is requested.
     pub fn allow(&self, known: &[&str]) -> Result<(), Error> {
         Ok(self.table.allow(known)?)
     }
 
-    /// Refuses the first key that nobody asked for.
+    /// Refuses the first key that was not requested.
     pub fn finish(&self) -> Result<(), Error> {
         let known = self.known.borrow();
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -63,17 +63,17 @@ impl<'a> Section<'a> {
     }
 }
 
-/// What a study asks of an entry beyond its type.
+/// Further operations of a study file on an entry.
 pub trait Entry<'a> {
-    /// The error of a value that cannot be; `why` says so.
+    /// The error for an invalid value; `why` is its wording.
     fn because(&self, why: impl Into<String>) -> Error;
     /// The value as a finite number.
     fn finite(&self) -> Result<f64, Error>;
-    /// The value as a list of finite numbers, at least one.
+    /// The value as a non-empty list of finite numbers.
     fn some_numbers(&self) -> Result<Vec<f64>, Error>;
     /// The value as a path, relative to the folder of the study's `file`.
     fn path_beside(&self, file: &Path) -> Result<PathBuf, Error>;
-    /// The value as a section of its own.
+    /// The value as a section.
     fn section(&self) -> Result<Section<'a>, Error>;
 }
 

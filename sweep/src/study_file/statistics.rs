@@ -6,10 +6,10 @@ use crate::study::Study;
 use crate::study::plan::{Bins, Goals, Plan, no_result};
 use records::Field;
 
-/// Bins of a histogram at most: each part keeps them all.
+/// Maximum number of bins of a histogram: each part stores them all.
 const MOST_BINS: u64 = 100_000;
 
-/// What `[statistics]` asks for.
+/// The statistics requested by `[statistics]`.
 pub fn read(study: &Study, section: &Section<'_>) -> Result<Plan, Error> {
     let mut plan = Plan::all(study.outputs());
     let every = plan.columns.clone();
@@ -64,7 +64,7 @@ fn bins(entry: Field<'_>) -> Result<Bins, Error> {
     Ok(Bins { from, to, bins: number })
 }
 
-/// What a Pareto front minimises and maximises: 2 to 4 of `columns`. `known` refuses what is no result.
+/// The goals of a Pareto front: 2 to 4 of `columns`. `known` refuses a name that is no result.
 fn goals(
     entry: Field<'_>,
     known: impl Fn(&Field<'_>, &str) -> Result<(), Error>,

@@ -1,4 +1,4 @@
-//! `[test]` of a study file: the push-and-hold test, as far as it does not vary.
+//! `[test]` of a study file: the fixed values of the push-and-hold test.
 
 use super::section::{Entry, Section};
 use crate::error::Error;
@@ -8,11 +8,11 @@ use crate::study::Varied;
 use records::Model;
 use report::number::shortest;
 
-/// Every number that does not vary: the model's, then the test's.
+/// All fixed values: the model's and the test's.
 pub fn read(model: &Model, test: &Section<'_>, varied: &[Varied]) -> Result<Point, Error> {
     let mut base = Point::of_model(model);
 
-    // A misspelt key is said to be one before the key it was meant for is missed.
+    // Reports a misspelt key before reporting the intended one as missing.
     for key in quantity::all().iter().filter_map(|q| q.name.strip_prefix("test.")) {
         test.get(key);
     }

@@ -1,4 +1,4 @@
-//! `[vary]` of a study file: which quantities vary, and which values or distributions they take.
+//! `[vary]` of a study file: the varied quantities, and their values or distributions.
 
 use super::constraints;
 use super::names;
@@ -34,7 +34,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// The keys that it takes.
+    /// Its allowed keys.
     fn keys(self) -> &'static [&'static str] {
         match self {
             Kind::Normal => &["distribution", "mean", "sd", "from", "to"],
@@ -46,19 +46,19 @@ impl Kind {
     }
 }
 
-/// One quantity that varies, and where the study says so.
+/// A varied quantity, and its entry in the study.
 pub struct VariedAxis<'a> {
     /// The entry of `[vary]`, for error messages.
     pub entry: Field<'a>,
     /// The quantity and its column.
     pub varied: Varied,
-    /// The values that it takes.
+    /// Its values.
     pub axis: Axis,
-    /// Whether it is drawn from what the model knows of it.
+    /// Whether it is drawn from the model's uncertainty.
     of_model: bool,
 }
 
-/// Every axis of [vary], in the order of the file, and the correlations of those that are drawn from the model.
+/// All axes of [vary], in the order of the file, and the correlations of those drawn from the model.
 pub fn axes<'a>(
     vary: &Section<'a>,
     model: &Result<Uncertain, String>,
@@ -91,7 +91,7 @@ pub fn axes<'a>(
     Ok((found, copula))
 }
 
-/// The parameters that `from = "model"` of [vary] stands for.
+/// The parameters included by `from = "model"` of [vary].
 fn all_of_model(entry: Field<'_>, model: &Result<Uncertain, String>) -> Result<Uncertain, Error> {
     entry.choice(&[("model", ())])?;
     let known = known(entry, model)?.marginal(|parameter| !quantity::is_of_recorded_stroke(parameter.quantity));
@@ -105,12 +105,12 @@ fn known<'m>(entry: Field<'_>, model: &'m Result<Uncertain, String>) -> Result<&
     model.as_ref().map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
 }
 
-/// The correlations of the axes that are drawn from the model.
+/// The correlations of the axes drawn from the model.
 fn copula(found: &[VariedAxis<'_>], model: &Result<Uncertain, String>) -> Result<Option<Copula>, Error> {
     let columns: Vec<usize> = (0..found.len()).filter(|i| found[*i].of_model).collect();
     let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
     let entry = found[*first].entry;
-    // In the order of the columns.
+    // In column order.
     let place = |column: &usize| model.parameters.iter().position(|p| p.quantity == found[*column].varied.quantity);
     let places: Vec<usize> = columns.iter().filter_map(place).collect();
     let correlation = model.correlation.select_rows(&places).select_columns(&places);
@@ -144,14 +144,14 @@ fn refuse_contradictions(found: &[VariedAxis<'_>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// A column has the name that the study uses, unless that is another column's.
+/// The quantity with its column name: as in the study, unless another column has that name.
 pub fn varied(name: &str, quantity: usize) -> Varied {
     let full = &quantity::all()[quantity].name;
     let taken = quantity != Base::VolumeToArea as usize && outputs::is_output(name);
     Varied { column: if taken { full.clone() } else { name.to_owned() }, quantity }
 }
 
-/// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a table in a table.
+/// The entries that describe an axis, with their dotted names: `a.b_m = {…}` without quotes is a nested table.
 fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Field<'a>, String)>, Error> {
     let mut found = Vec::new();
     for entry in section.entries() {
@@ -168,12 +168,12 @@ fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Field<'a>, Str
     Ok(found)
 }
 
-/// The values that an entry stands for, and whether they are drawn from what the model knows.
+/// The values of an entry, and whether they are drawn from the model's uncertainty.
 fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
     const FORMS: &str = "{ values = [...] }, { from = ..., to = ..., count = ..., scale = \"linear\" }, \
         { distribution = \"normal\", mean = ..., sd = ... } or { from = \"model\" }";
     let section = Section::new(entry.table().map_err(|_| entry.not(FORMS))?);
-    // Looked at without taking it: a list of values has no `from`.
+    // Examined without requesting the key: a list of values has no `from`.
     if let Some(from) = section.entries().find(|entry| entry.key() == "from" && entry.is_text()) {
         section.get("from");
         from.choice(&[("model", ())])?;
@@ -196,7 +196,7 @@ fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Re
     }
 }
 
-/// What the model knows of a quantity.
+/// The model's distribution of a quantity.
 fn of_model(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
     let known = known(entry, model)?;
     let parameter = known.parameters.iter().find(|parameter| parameter.quantity == place).ok_or_else(|| {
@@ -239,7 +239,7 @@ fn range(entry: Field<'_>, from: f64, to: f64, count: Option<u64>, scale: Scale)
 
 /// A distribution by its name and its parameters.
 fn drawn(entry: Field<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Error> {
-    // A key that is misspelt is not one that is missing.
+    // Reports a misspelt key rather than a missing one.
     section.allow(kind.keys())?;
     let optional = |key: &str| section.get(key).map(|entry| entry.finite()).transpose();
     let number = |key: &str, expected: &str| section.require(key, expected)?.finite();
@@ -275,7 +275,7 @@ fn drawn(entry: Field<'_>, kind: Kind, section: &Section<'_>) -> Result<Axis, Er
     }
 }
 
-/// Median and logarithmic standard deviation, given as such or by mean and standard deviation of the quantity itself.
+/// Median and logarithmic standard deviation, given directly or through the quantity's mean and standard deviation.
 fn log_normal(entry: Field<'_>, section: &Section<'_>) -> Result<(f64, f64), Error> {
     let optional = |key: &str| section.get(key).map(|entry| entry.finite()).transpose();
     match (optional("median")?, optional("sd_log")?, optional("mean")?, optional("sd")?) {

@@ -1,4 +1,4 @@
-//! What the tests of whole studies share: a model, studies about it, tables read back.
+//! Shared by the tests of whole studies: a model, studies based on it, tables read back.
 #![allow(dead_code)]
 
 use arrow::array::AsArray;
@@ -40,7 +40,7 @@ pub const BORES: &str = "bore_m = { from = 0.016, to = 0.063, count = 40, scale 
 initial_pressure_pa = { from = 1e5, to = 7e5, count = 30 }
 \"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-12] }";
 
-/// A study about [`model`] from its lines of [study] and [vary].
+/// A study of [`model`] from its lines of [study] and [vary].
 pub fn study(head: &str, vary: &str) -> Study {
     Study::about(&model(), &text(head, vary)).unwrap()
 }
@@ -60,7 +60,7 @@ pub fn at(folder: &TempDir) -> Local {
     Local::new(folder.path())
 }
 
-/// Everything in a Parquet file, as one batch, without the file's metadata (the shard is in it).
+/// The contents of a Parquet file as one batch, without the file's metadata (which contain the shard).
 pub fn read(path: &Path) -> RecordBatch {
     let builder = ParquetRecordBatchReaderBuilder::try_new(std::fs::File::open(path).unwrap()).unwrap();
     let schema = builder.schema().as_ref().clone().with_metadata(std::collections::HashMap::new());
@@ -70,7 +70,7 @@ pub fn read(path: &Path) -> RecordBatch {
     arrow::compute::concat_batches(&schema, &batches).unwrap()
 }
 
-/// All parts of a study's folder, their tables by name; none where it has no rows.
+/// The tables of all parts of a study's folder, by name; empty if it has no rows.
 pub fn parts(folder: &Path) -> BTreeMap<String, RecordBatch> {
     let folder = folder.join("rows");
     if !folder.exists() {
@@ -80,7 +80,7 @@ pub fn parts(folder: &Path) -> BTreeMap<String, RecordBatch> {
     names.map(|name| (name.clone(), read(&folder.join(&name)))).collect()
 }
 
-/// Hears of rows and says nothing.
+/// Ignores progress.
 pub fn quiet(_: u64) {}
 
 /// A column's values, NaN for a null.

@@ -1,4 +1,4 @@
-//! Constraints between quantities: rows that break one are left out, counted and said; the others are what they were.
+//! Constraints between quantities: rows that violate one are left out, counted and reported; the others are unchanged.
 
 use crate::common::{at, quiet, read, statuses, study, text, values};
 use sweep::{Shard, run, run_in_memory, traces};
@@ -30,7 +30,7 @@ fn rows_that_break_a_constraint_are_left_out_and_counted_and_the_others_stay() {
     for i in 0..rows.num_rows() {
         let stroke_volume = std::f64::consts::PI / 4.0 * (bore[i] * bore[i] - rod[i] * rod[i]) * 0.05;
         if rod[i] >= bore[i] {
-            // No cylinder at all.
+            // No possible cylinder.
             assert_eq!(found[i], before[i]);
         } else if rod[i] > 0.5 * bore[i] {
             assert_eq!(found[i], "left_out: rod_m <= 0.5 * bore_m");
@@ -46,7 +46,7 @@ fn rows_that_break_a_constraint_are_left_out_and_counted_and_the_others_stay() {
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
     assert_eq!(report.statuses["left_out: rod_m <= 0.5 * bore_m"], counts[0]);
     assert_eq!(report.statuses["left_out: dead_volume_m3 < 0.2 * stroke_volume_m3"], counts[1]);
-    // A row that is left out has no trace.
+    // A row left out has no trace.
     let row = found.iter().position(|status| status.starts_with("left_out: rod")).unwrap();
     let report = traces::write(&bound, &at(&folder), &row.to_string().parse().unwrap(), 100.0).unwrap();
     assert_eq!(report.without, [(row as u64, "left_out: rod_m <= 0.5 * bore_m".to_owned())]);
@@ -61,7 +61,7 @@ fn a_constraint_knows_what_is_solved_for() {
     let ok: Vec<usize> = (0..200).filter(|i| !found[*i].starts_with("left_out")).collect();
     assert!(ok.len() > 20 && ok.len() < 180 && ok.iter().all(|i| (0.02..0.05).contains(&bores[*i])));
     let step = ratios[1] - ratios[0];
-    // The neighbours beyond both ends are left out: the bore grows with the ratio.
+    // The neighbours beyond both ends are left out: the bore increases with the ratio.
     assert!(ok.windows(2).all(|pair| pair[1] == pair[0] + 1) && bores[ok[0]] < 0.02 + 20.0 * step);
 }
 

@@ -1,4 +1,4 @@
-//! Quantities whose values are not known exactly: drawn from a distribution, or from what the model knows of them.
+//! Uncertain quantities: drawn from a distribution, or from the model's uncertainty.
 
 use crate::common::{model, text, values};
 use records::{Model, Uncertainty};
@@ -17,7 +17,7 @@ const LAMBDA: &str = "heat_transfer.coefficient_w_per_m2_k";
 const DEAD: &str = "chamber.dead_volume_m3";
 const LEAK: &str = "effect.leakage.conductance_m3_per_s_pa";
 
-/// λ0 as fitted on a logarithmic scale, dead volume and leak on a linear one, a wall's conductance at its bound.
+/// λ0 fitted on a logarithmic scale, dead volume and leak on a linear one, a wall's conductance at its bound.
 fn uncertain() -> Model {
     let mut model = model();
     let (leak, _) = chamber::effects::find("leakage").unwrap();

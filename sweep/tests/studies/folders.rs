@@ -1,9 +1,9 @@
-//! A study's folder: resumed, verified, found finished, and left alone where it is another study's.
+//! A study's folder: resumed, verified, found finished, and left alone if it belongs to another study.
 
 use crate::common::{BORES, at, model, parts, quiet, study, text};
 use sweep::{Options, Shard, Study, run, traces, verify};
 
-/// Files of the whole study in its folder.
+/// Files of the study as a whole in its folder.
 const OF_THE_FOLDER: [&str; 5] =
     ["manifest.json", "statistics.json", "sensitivity.json", "statistics.svg", "sensitivity.svg"];
 
@@ -116,7 +116,7 @@ fn a_finished_study_is_found_finished_in_a_folder_that_cannot_be_written() {
     }
     let report = run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!((report.parts_written, report.parts_found, report.complete), (0, 3, true));
-    // The superuser may write anywhere: nothing was written shows there.
+    // The superuser may write anywhere: the modification times show that nothing was written.
     assert_eq!(modified(), before);
     for name in [".", "rows", "parts"] {
         std::fs::set_permissions(folder.path().join(name), std::fs::Permissions::from_mode(0o755)).unwrap();
@@ -140,7 +140,7 @@ fn a_folder_with_another_study_is_refused_and_left_alone() {
     assert_eq!(parts(folder.path()), before);
 }
 
-/// A study whose folder holds all results that there are.
+/// A study whose folder contains every kind of result.
 fn with_results() -> Study {
     let head = "design = \"saltelli\"\nsamples = 16\nfit = false";
     let vary = "bore_m = { from = 0.016, to = 0.063 }\ninitial_pressure_pa = { from = 1e5, to = 7e5 }";
@@ -176,21 +176,21 @@ fn a_second_run_mends_results_and_further_traces_are_named_in_the_manifest() {
     let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
     let of_rows = |rows: &str| traces::write(&study, &at(&folder), &rows.parse().unwrap(), 10.0).unwrap();
     let wrong = || verify(&at(&folder)).unwrap().wrong_results;
-    // Traces may be there before the rows are.
+    // Traces may exist before the rows.
     of_rows("0");
     run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!(verify(&at(&folder)).unwrap().results.len(), 3);
     std::fs::write(folder.path().join("statistics.json"), "{}").unwrap();
     std::fs::write(folder.path().join("traces/traces.parquet"), "").unwrap();
     assert_eq!(wrong().len(), 2);
-    // Nobody asks for traces again: what is there is not taken for what was written.
+    // Without a new request for traces, the damaged file is not mistaken for the recorded one.
     run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     assert_eq!(wrong(), ["traces/traces.parquet: 0 bytes, not ".to_owned() + &bytes_of_traces(folder.path())]);
     of_rows("1-3");
     assert_eq!(wrong(), Vec::<String>::new());
 }
 
-/// Length of the traces by the manifest.
+/// Length of the traces according to the manifest.
 fn bytes_of_traces(folder: &std::path::Path) -> String {
     let manifest = std::fs::read(folder.join("manifest.json")).unwrap();
     let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();

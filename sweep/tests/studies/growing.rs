@@ -1,11 +1,11 @@
-//! Studies that grow: what a smaller one has solved is taken from there, and the result is the one made in one go.
+//! Growing studies: rows already solved by a smaller study are reused, and the result equals the study made in one run.
 
 use crate::common::{at, model, parts, quiet, study, study_at, text};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweep::{Earlier, Options, Shard, Study, run};
 
-/// What every file of a folder holds, by its path there.
+/// Contents of all files in a folder, by relative path.
 fn files(folder: &Path) -> BTreeMap<std::path::PathBuf, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -21,7 +21,7 @@ fn files(folder: &Path) -> BTreeMap<std::path::PathBuf, Vec<u8>> {
     files
 }
 
-/// Axes of which some rows fail and some do not settle.
+/// Axes with some rows that fail and some that do not settle.
 const MIXED: &str = "bore_m = { from = 0.016, to = 0.063 }
 rod_m = { from = 0.0, to = 0.03 }
 \"effect.leakage.conductance_m3_per_s_pa\" = { values = [0.0, 1e-12] }";
@@ -31,14 +31,14 @@ rod_m = { from = 0.0, to = 0.03 }";
 const WANTED: &str =
     "\n[statistics]\npareto = { minimise = [\"settling_time_s\"], maximise = [\"pressure_peak_pa\"] }\n";
 
-/// A smaller and a larger study of a sequence.
+/// A smaller and a larger study of the same sequence.
 fn growing(head: &str, smaller: &str, larger: &str, vary: [&str; 2]) -> [Study; 2] {
     [(smaller, vary[0]), (larger, vary[1])].map(|(more, vary)| {
         Study::about(&model(), &(text(&format!("{head}\nfit = false\n{more}"), vary) + WANTED)).unwrap()
     })
 }
 
-/// Grows the smaller study to the larger one in every way there is, and compares with the larger one made in one go.
+/// Grows the smaller study to the larger one in every possible way, and compares with the larger one made in one run.
 fn grow([smaller, larger]: [Study; 2], solved: u64) {
     let [first, second, whole, shards] = [(); 4].map(|()| tempfile::tempdir().unwrap());
     run(&smaller, &at(&first), Shard::WHOLE, &quiet).unwrap();
@@ -58,7 +58,7 @@ fn grow([smaller, larger]: [Study; 2], solved: u64) {
     }
     assert_eq!(parts(shards.path()), parts(whole.path()));
     assert_eq!(files(first.path()), before, "the smaller study stays as it is");
-    // The statistics alone, from the rows that are there.
+    // Only the statistics, from the existing rows.
     let summary = tempfile::tempdir().unwrap();
     run(&larger, &at(&summary), Options { rows: false, ..options(Shard::WHOLE) }, &quiet).unwrap();
     let statistics = |folder: &Path| std::fs::read(folder.join("statistics.json")).unwrap();
@@ -86,7 +86,7 @@ fn a_study_with_constraints_grows_and_keeps_what_they_leave_out() {
         )
     });
     grow(growing("design = \"factorial\"", "", "", [&factorial[0], &factorial[1]]), 500);
-    // Another constraint leaves other rows out.
+    // Another constraint leaves out other rows.
     let head = "design = \"sobol\"\nfit = false\nsamples = ";
     let folder = tempfile::tempdir().unwrap();
     run(&study(&format!("{head}600"), &sobol), &at(&folder), Shard::WHOLE, &quiet).unwrap();
@@ -95,7 +95,7 @@ fn a_study_with_constraints_grows_and_keeps_what_they_leave_out() {
     assert!(message.contains("its constraints is [\"rod_m < 0.5 * bore_m\"]"), "{message}");
 }
 
-/// A study on the first rows of a table.
+/// A study of the first rows of a table.
 fn on_table(folder: &Path, rows: u32, file: &str, first_bore: f64) -> Study {
     let bore = |i: u32| if i == 0 { first_bore } else { 0.02 + 1e-6 * f64::from(i) };
     let line = |i: u32| format!("{:?},{:?}\n", bore(i), 1e-6 * f64::from(i));
@@ -117,7 +117,7 @@ fn on_table(folder: &Path, rows: u32, file: &str, first_bore: f64) -> Study {
 #[test]
 fn a_study_on_a_table_grows_by_the_rows_at_its_end() {
     for file in ["points.csv", "points.parquet"] {
-        // Parts of more rows than a batch has.
+        // Parts with more rows than a batch.
         let [few, many, other] = [(); 3].map(|()| tempfile::tempdir().unwrap());
         grow([on_table(few.path(), 18_000, file, 0.02), on_table(many.path(), 18_700, file, 0.02)], 700);
         let folder = tempfile::tempdir().unwrap();

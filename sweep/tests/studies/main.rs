@@ -1,5 +1,5 @@
-//! Studies as users run them. One program, which compiles and links what they share once; `many_parts.rs` reads the memory
-//! of its process and stays one of its own.
+//! Studies as run by users. One program, which compiles and links the shared code once; `many_parts.rs` reads the memory of its
+//! process and stays separate.
 
 #[path = "../common/mod.rs"]
 mod common;

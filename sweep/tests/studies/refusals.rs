@@ -1,4 +1,4 @@
-//! What is wrong with a study file is said with its line and key.
+//! Errors in a study file are reported with line and key.
 
 use crate::common::{model, study_at, text};
 use sweep::Study;
@@ -82,7 +82,7 @@ fn a_study_beyond_all_measure_is_refused_before_it_takes_time_or_memory() {
         ("design = \"sobol\"\nsamples = 1099511627777", more),
         ("design = \"sobol\"\nsamples = 9000000000000000000", more),
         ("design = \"latin-hypercube\"\nsamples = 9000000000000000000", more),
-        // Of this design a sample is three rows and more.
+        // In this design a sample has three rows or more.
         ("design = \"saltelli\"\nsamples = 1000000000000", more),
         ("design = \"sobol\"\nsamples = 1000000000000\nparts = 100000000000", "at most 1048576 files are allowed"),
     ] {

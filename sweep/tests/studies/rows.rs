@@ -1,4 +1,4 @@
-//! What a row stands for and what comes out of it: solved geometry, reasons, traces.
+//! Definition and results of rows: solved geometry, reasons, traces.
 
 use crate::common::{at, model, quiet, read, statuses, study, text, values};
 use arrow::array::Int64Array;
@@ -85,7 +85,7 @@ fn the_bore_is_solved_for_a_volume_to_area_ratio() {
             assert!((volume[i] / area[i] / wanted[i] - 1.0).abs() < 1e-13, "{} {}", wanted[i], volume[i] / area[i]);
         }
     }
-    // At a stroke of 50 mm the ratio stays below 25 mm and a little for the dead volume, whatever the bore.
+    // At a stroke of 50 mm the ratio stays below 25 mm plus a little for the dead volume, whatever the bore.
     let vary = "volume_to_area_m = { values = [0.03] }\nfinal_stroke_m = { values = [0.05, 0.09] }";
     let found = statuses(&run_in_memory(&study("design = \"factorial\"", vary)).unwrap()[0]);
     assert_eq!(found[0], "failed: no bore gives this volume-to-area ratio");
@@ -104,7 +104,7 @@ fn the_strokes_are_solved_for_a_volume_to_area_ratio_at_a_bore() {
         let (wanted, ratio) = (values(batch, "volume_to_area_by_length_m"), values(batch, "volume_to_area_m"));
         let (initial, last) = (values(batch, "initial_stroke_m"), values(batch, "final_stroke_m"));
         for (i, status) in statuses(batch).iter().enumerate() {
-            // A cylinder by the book: V = Vd + π φ² x/4, A = 4V/φ + π φ²/2.
+            // Textbook cylinder: V = Vd + π φ² x/4, A = 4V/φ + π φ²/2.
             let volume = dead_volume + std::f64::consts::PI / 4.0 * bore * bore * last[i];
             let area = 4.0 * volume / bore + std::f64::consts::PI / 2.0 * bore * bore;
             assert!(!status.starts_with("failed"), "{status}");
@@ -160,7 +160,7 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
         let close = |a: f64, b: f64, tolerance: f64| assert!((a / b - 1.0).abs() < tolerance, "row {row}: {a} {b}");
         close(gas[first], values(&rows, "initial_pressure_pa")[row], 1e-12);
         close(pressure[last], values(&rows, "pressure_final_pa")[row], 1e-8);
-        // Between samples of 1 kHz the pressure changes by little.
+        // Between samples at 1 kHz the pressure changes little.
         let push = values(&rows, "push_time_s")[row];
         let peak = mine.iter().filter(|i| time[**i] >= push).map(|i| pressure[*i]).fold(0.0, f64::max);
         close(peak, values(&rows, "pressure_peak_pa")[row], 1e-2);
@@ -169,7 +169,7 @@ mass_flow_in_kg_per_s = { from = 0.0, to = 1e-6 }
         close(gas[last] * volume, mass[last] * 287.0 * temperature, 1e-12);
         assert!(mass[last] != mass[first]);
     }
-    // The folder is still the study's, and the table of traces is replaced by another one.
+    // The folder still belongs to the study, and the table of traces is replaced.
     assert!(run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap().complete);
     assert_eq!(sweep::traces::write(&study, &at(&folder), &"3".parse().unwrap(), 10.0).unwrap().samples, 51);
     let refused = sweep::traces::write(&study, &at(&folder), &"300".parse().unwrap(), 10.0).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Whole studies: what is in the table, and that it does not depend on how it came about.
+//! Whole studies: contents of the table, and its independence of how it was produced.
 
 use crate::common::{BORES, at, model, parts, quiet, read, study, study_at, text, values};
 use sweep::{Shard, Study, run, run_in_memory, run_to_file};
@@ -22,7 +22,7 @@ fn the_same_study_gives_the_same_rows_whatever_the_shard_and_the_number_of_threa
     let text = |i: usize| std::fs::read_to_string(folders[i].path().join("manifest.json")).unwrap();
     assert_eq!(text(0), text(1));
     let manifest: serde_json::Value = serde_json::from_str(&text(0)).unwrap();
-    // Leaky rows do not settle within the test, or are no exponential's.
+    // Leaky rows do not settle within the test, or are not exponential.
     let count = |status: &str| manifest["statuses"][status].as_u64().unwrap();
     let solved = count("ok") + count("not_settled") + count("no_time_constant");
     assert_eq!((solved, manifest["rows"].as_u64()), (2400, Some(2400)));
@@ -85,7 +85,7 @@ fn a_table_of_ones_own_is_a_design() {
     let from_csv = run_in_memory(&study("points.csv")).unwrap();
     assert_eq!(from_csv.iter().map(|b| b.num_rows()).sum::<usize>(), 3000);
     assert_eq!(values(&from_csv[0], "chamber.bore_m")[7], 0.02 + 7e-5);
-    // A study's own output serves as a table, with the columns that are picked.
+    // A study's own output serves as a table, with the selected columns.
     run_to_file(&study("points.csv"), &folder.path().join("points.parquet"), &quiet).unwrap();
     let again = text(&format!("{head}\"points.parquet\"\ncolumns = [\"chamber.bore_m\", \"initial_pressure_pa\"]"), "");
     let again = study_at(&again, &folder.path().join("s.toml")).unwrap();
@@ -113,7 +113,7 @@ fn statistics_are_the_same_whatever_the_shards_with_rows_or_without_and_afterwar
     for index in [1, 2, 0] {
         run(&study, &at(&folders[2]), no_rows(Shard { index, count: 3 }), &quiet).unwrap();
     }
-    // Asked for when the rows are there already: nothing is solved again.
+    // Requested after the rows exist: nothing is solved again.
     run(&with(""), &at(&folders[3]), Shard::WHOLE, &quiet).unwrap();
     assert!(!folders[3].path().join("statistics.json").exists());
     let report = run(&study, &at(&folders[3]), Shard::WHOLE, &quiet).unwrap();

@@ -1,16 +1,16 @@
-//! What the clients' tests share: the FMU under test and the digits that FMPy finds in it.
+//! Shared by the clients' tests: the FMU under test and FMPy's results for it.
 //!
-//! `CHAMBER_FMU` is the FMU, `CHAMBER_DIGITS` a text file: a line for each step with time, position and velocity set before
-//! it, and pressure, temperature and heat flow after it; numbers as hexadecimal bits.
+//! `CHAMBER_FMU` is the FMU, `CHAMBER_DIGITS` a text file: one line per step with time, position and velocity set before it, and
+//! pressure, temperature and heat flow after it; numbers as hexadecimal bits.
 
 use std::path::PathBuf;
 
 /// Length of a step, s.
 pub const STEP: f64 = 0.01;
 
-/// One step by FMPy.
+/// One step of FMPy.
 pub struct Row {
-    /// Time at which the step begins, s.
+    /// Time at the start of the step, s.
     pub time: f64,
     /// Position and velocity.
     pub inputs: [f64; 2],
@@ -29,7 +29,7 @@ pub fn fmu() -> PathBuf {
     from_environment("CHAMBER_FMU")
 }
 
-/// What FMPy finds.
+/// FMPy's results.
 pub fn digits() -> Vec<Row> {
     let text = std::fs::read_to_string(from_environment("CHAMBER_DIGITS")).expect("FMPy's digits can be read");
     let rows: Vec<Row> = text

@@ -15,7 +15,7 @@ fn rust_fmi_gives_the_digits_of_fmpy() {
     };
     let inputs = ["position", "velocity"].map(reference);
     let outputs = ["pressure", "temperature", "heatFlow"].map(reference);
-    // Twice: a second run is what many FMUs do not survive.
+    // Twice, because many FMUs fail in a second run.
     for run in 0..2 {
         let mut chamber = import.instantiate_cs("chamber", false, true).unwrap();
         assert_eq!(Common::get_version(&chamber), "2.0");

@@ -14,7 +14,7 @@ macro_rules! same {
         $(const $function: $kind = Some(abi::$function);)*
         /// The functions above and fmi2Instantiate.
         const CHECKED: usize = [$(stringify!($function), )*].len() + 1;
-        /// Used, so that none of them counts as forgotten.
+        /// Used, so that none of them is reported as unused.
         fn all() -> bool { $($function.is_some())&&* }
     };
 }
@@ -25,10 +25,10 @@ unsafe extern "C" fn types_platform() -> *const std::ffi::c_char {
 unsafe extern "C" fn version() -> *const std::ffi::c_char {
     abi::fmi2GetVersion()
 }
-/// Both are safe to call in ours, which the header cannot say.
+/// Both are safe functions in our library, which the header cannot express.
 const _: (fmi2GetTypesPlatformTYPE, fmi2GetVersionTYPE) = (Some(types_platform), Some(version));
 
-/// All arguments but the callbacks as they are.
+/// Passes all arguments unchanged except the callbacks.
 unsafe extern "C" fn instantiate(
     name: fmi2String,
     kind: fmi2Type,
@@ -42,7 +42,7 @@ unsafe extern "C" fn instantiate(
 }
 const _: fmi2InstantiateTYPE = Some(instantiate);
 
-/// The event information as it is.
+/// Passes the event information unchanged.
 unsafe extern "C" fn new_discrete_states(c: fmi2Component, info: *mut fmi2EventInfo) -> fmi2Status {
     unsafe { abi::fmi2NewDiscreteStates(c, info.cast::<EventInfo>()) }
 }
@@ -94,7 +94,7 @@ same! {
 #[test]
 fn every_function_has_the_type_of_the_official_header() {
     assert!(all());
-    // With fmi2GetTypesPlatform, fmi2GetVersion, fmi2NewDiscreteStates.
+    // Plus fmi2GetTypesPlatform, fmi2GetVersion and fmi2NewDiscreteStates.
     assert_eq!(CHECKED + 3, 44);
 }
 
@@ -106,7 +106,7 @@ fn the_event_information_lies_where_the_official_header_has_it() {
 
 #[test]
 fn the_callbacks_lie_where_the_official_header_has_them() {
-    // Each field has the type of the header's.
+    // Each field has the same type as in the header.
     let ours = |theirs: fmi2CallbackFunctions| Callbacks {
         logger: theirs.logger,
         allocate_memory: theirs.allocateMemory,

@@ -1,4 +1,4 @@
-//! A heat flow over the pressure as a sum of hinges, for solvers that integrate it in closed form.
+//! A heat flow over the pressure as a sum of hinges, for closed-form integration.
 
 use super::table::{FIRST_KNOT, FIRST_VALUE, KNOTS, PARAMETERS, TERM, VARIABLE, length, says};
 use super::term::Term;
@@ -11,17 +11,17 @@ use crate::real::Real;
 pub struct Hinges<R = f64> {
     /// The flow below all knots.
     pub first: R,
-    /// The knots; places that are not in use have no bend.
+    /// The knots; unused entries have zero bend.
     pub knots: [R; KNOTS],
-    /// By how much the curve is steeper behind each than before it.
+    /// Change of slope at each knot.
     pub bends: [R; KNOTS],
 }
 
 impl<R: Real> Hinges<R> {
-    /// Of no heat flow.
+    /// No heat flow.
     pub const NONE: Self = Self { first: R::ZERO, knots: [R::ZERO; KNOTS], bends: [R::ZERO; KNOTS] };
 
-    /// The first knot after a pressure and before another, Pa; the latter where there is none.
+    /// First knot after `from` and before `to`, Pa; `to` if there is none.
     #[inline(always)]
     pub fn corner(&self, from: R, to: R) -> R {
         nearest(&self.knots, from, to)
@@ -29,7 +29,7 @@ impl<R: Real> Hinges<R> {
 }
 
 impl Hinges {
-    /// What the effect's parameters hold, where that is a heat flow over the pressure.
+    /// The effect's parameters as hinges, where they hold a heat flow over the pressure.
     pub fn of(p: &[f64]) -> Option<Self> {
         let is = says(p[TERM], Term::HeatFlow as usize).min(says(p[VARIABLE], Variable::Pressure as usize));
         let (knots, values) = (&p[FIRST_KNOT..FIRST_VALUE], &p[FIRST_VALUE..PARAMETERS]);

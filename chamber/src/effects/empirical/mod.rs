@@ -1,7 +1,7 @@
-//! Empirical: a missing term read off the data, where no effect of the list has its shape.
+//! Empirical: a missing term read off the data, where no named effect has its shape.
 //!
-//! y(x), piecewise linear between at most [`KNOTS`] knots and constant beyond the first and the last. What y is follows
-//! from `balance`, what x is from `variable`:
+//! y(x), piecewise linear between at most [`KNOTS`] knots and constant beyond the first and the last. `balance` says what y is,
+//! `variable` what x is:
 //!
 //! | `balance` | y | enters as |
 //! |---|---|---|
@@ -11,8 +11,8 @@
 //! | `volume_share` | 1 | V (1 + y) wherever the gas's volume counts, over pressure or position |
 //! | `reading` | Pa | the sensor shows P + y, over pressure |
 //!
-//! A list that is shorter than its places repeats its last number: a knot that is not above the one before it is not there.
-//! The term describes the records that it was read off; it need not be the cause, and beyond its knots it knows nothing.
+//! A list shorter than its capacity repeats its last number: a knot not above the one before it is unused. The term describes the
+//! records it was read off; it need not be the cause, and beyond its knots it carries no information.
 
 mod curve;
 mod hinges;
@@ -58,7 +58,7 @@ fn inlined_variable<R: Real>(p: &[R], at: &Conditions<R>) -> R {
     x
 }
 
-/// The term, where it is that one; else zero.
+/// The curve's value, if the table holds this term; else zero.
 #[inline(always)]
 fn term<R: Real>(p: &[R], term: Term, at: &Conditions<R>) -> R {
     let is = says(p[TERM], term as usize);
@@ -142,7 +142,7 @@ impl Effect for Empirical {
 
     const CORNERS: bool = true;
 
-    /// The knots of a curve over the pressure, but for one of the reading, which the gas knows nothing of.
+    /// The knots of a curve over the pressure, except for a curve of the reading, which does not act on the gas.
     #[inline(always)]
     fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
@@ -151,7 +151,7 @@ impl Effect for Empirical {
 
     const KINKS: usize = KNOTS + 1;
 
-    /// The knots, and where a flow turns round.
+    /// The knots, and where a flow reverses.
     fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         let (x, range) = (variable(p, at), p[FIRST_VALUE - 1] - p[FIRST_KNOT]);
         for (out, knot) in out.iter_mut().zip(&p[FIRST_KNOT..FIRST_VALUE]) {
@@ -234,7 +234,7 @@ mod tests {
         assert!(over(Term::CoefficientShare, Variable::Mass, -1.0).unwrap_err().contains("above -1"));
     }
 
-    /// dP/dt as the balance says it, and as the pressure of the moved states says it.
+    /// dP/dt from the balance, and from the pressure of states advanced in time.
     fn pressure_rates(curve: &Curve) -> [f64; 2] {
         let chamber = section_31(AreaLaw::Total).with(Empirical::PLACE, &curve.parameters());
         let boundary = Boundary { velocity: -0.3, ..Boundary::closed(0.08, 293.0, 1.013e5) };

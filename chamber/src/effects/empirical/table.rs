@@ -1,14 +1,14 @@
-//! The parameters of an empirical term, and the table that they hold.
+//! The parameters of an empirical term and the table they encode.
 
 use super::term::Term;
 use super::variable::Variable;
 use crate::card::{Fitted, Kind, Parameter, Unit};
 use crate::real::Real;
 
-/// Places for knots.
+/// Maximum number of knots.
 pub const KNOTS: usize = 8;
 
-/// Place of what the term is among the parameters, ...
+/// Parameter index of the term, ...
 pub const TERM: usize = 0;
 /// ...of the variable, ...
 pub const VARIABLE: usize = 1;
@@ -19,21 +19,21 @@ pub const FIRST_VALUE: usize = FIRST_KNOT + KNOTS;
 /// Number of parameters.
 pub const PARAMETERS: usize = FIRST_VALUE + KNOTS;
 
-/// A table that says what the parameters hold.
+/// The table encoded by the parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What it is.
+    /// The term.
     pub term: Term,
-    /// What it follows.
+    /// The variable it follows.
     pub variable: Variable,
     /// Its knots, ascending, at most [`KNOTS`].
     pub knots: Vec<f64>,
-    /// Its values there.
+    /// Its values at the knots.
     pub values: Vec<f64>,
 }
 
 impl Curve {
-    /// The curve that the effect's parameters hold, if they hold one.
+    /// The curve encoded by the effect's parameters, if they hold one.
     pub fn of(p: &[f64]) -> Option<Self> {
         let word = |p: f64| (p.round() as usize).checked_sub(1);
         let (term, variable) = (*Term::ALL.get(word(p[TERM])?)?, *Variable::ALL.get(word(p[VARIABLE])?)?);
@@ -41,7 +41,7 @@ impl Curve {
         Some(Self { term, variable, knots: list(FIRST_KNOT), values: list(FIRST_VALUE) })
     }
 
-    /// The effect's parameters that hold it.
+    /// The effect's parameters that encode it.
     pub fn parameters(&self) -> [f64; PARAMETERS] {
         let place = |found: Option<usize>| found.map_or(0.0, |place| (place + 1) as f64);
         let mut out = [0.0; PARAMETERS];
@@ -56,13 +56,13 @@ impl Curve {
     }
 }
 
-/// Knots in use.
+/// Number of knots in use.
 pub fn length(p: &[f64]) -> usize {
     let knots = &p[FIRST_KNOT..FIRST_VALUE];
     1 + knots.windows(2).take_while(|pair| pair[1] > pair[0]).count()
 }
 
-/// What is wrong with a table.
+/// Checks a table.
 pub fn check(p: &[f64]) -> Result<(), String> {
     let Some(curve) = Curve::of(p) else { return Ok(()) };
     let Curve { term, variable, values, .. } = &curve;
@@ -82,7 +82,7 @@ pub fn check(p: &[f64]) -> Result<(), String> {
     }
 }
 
-/// Whether a parameter is the word of that number.
+/// Positive if a parameter encodes the word of that index, counted from zero.
 #[inline(always)]
 pub fn says<R: Real>(p: R, word: usize) -> R {
     R::from(0.5) - (p - (word + 1) as f64).abs()
@@ -116,7 +116,7 @@ const fn place(name: &'static str, index: usize, typical: f64, doc: &'static str
 const KNOT: &str = "Knot: a value of the variable, in its unit; above the knot before it";
 const VALUE: &str = "The term at that knot, in the balance's unit";
 
-/// By way of example: a heat flow over the pressure.
+/// Example: a heat flow over the pressure.
 pub const TABLE: [Parameter; PARAMETERS] = [
     word("balance", &Term::WORDS, "What the term is"),
     word("variable", &Variable::WORDS, "What it follows"),

@@ -1,25 +1,25 @@
-//! What an empirical term is: the balance that it enters, and its unit.
+//! The term of an empirical curve: the balance it enters, and its unit.
 
 use super::variable::Variable;
 use crate::card;
 
-/// What the term is; its number as a parameter is its place among [`Term::ALL`], from one.
+/// The term; its parameter value is its index in [`Term::ALL`], from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
     /// Heat flow into the gas, W.
     HeatFlow,
     /// Mass flow into the gas, kg/s.
     MassFlow,
-    /// A relative change of the heat transfer coefficient.
+    /// Relative change of the heat transfer coefficient.
     CoefficientShare,
-    /// A relative change of the gas's volume.
+    /// Relative change of the gas's volume.
     VolumeShare,
-    /// An error of the pressure reading, Pa.
+    /// Error of the pressure reading, Pa.
     Reading,
 }
 
 impl Term {
-    /// All of them, in the order of their words in files.
+    /// All terms, in the order of their words in files.
     pub const ALL: [Self; 5] =
         [Self::HeatFlow, Self::MassFlow, Self::CoefficientShare, Self::VolumeShare, Self::Reading];
     /// Their words in files.
@@ -40,7 +40,7 @@ impl Term {
         }
     }
 
-    /// The balance that it changes.
+    /// The balance it changes.
     pub fn balance(self) -> card::Balance {
         match self {
             Self::MassFlow => card::Balance::Mass,
@@ -50,7 +50,7 @@ impl Term {
         }
     }
 
-    /// What it can follow.
+    /// Whether it can follow this variable.
     pub fn follows(self, variable: Variable) -> bool {
         match self {
             Self::VolumeShare => matches!(variable, Variable::Pressure | Variable::Position),

@@ -1,9 +1,9 @@
-//! What an empirical term follows, and its unit.
+//! The variable of an empirical curve, and its unit.
 
 use crate::parts::Conditions;
 use crate::real::Real;
 
-/// What the term follows; its number as a parameter is its place among [`Variable::ALL`], from one.
+/// The variable; its parameter value is its index in [`Variable::ALL`], from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// Pressure of the gas, Pa.
@@ -14,7 +14,7 @@ pub enum Variable {
     TemperatureDifference,
     /// Position of the piston, m.
     Position,
-    /// Its velocity, positive where the chamber grows, m/s.
+    /// Velocity of the piston, positive where the chamber grows, m/s.
     Velocity,
     /// Power of the gas on the piston P dV/dt, W, positive where the chamber grows.
     PistonPower,
@@ -23,7 +23,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// All variables that a curve can be over, in the order of their words in files.
+    /// All variables of a curve, in the order of their words in files.
     pub const ALL: [Self; 7] = [
         Self::Pressure,
         Self::Temperature,

@@ -1,4 +1,4 @@
-//! A component of FMI 2.0 from its making to its end, and its log.
+//! Life cycle of an FMI 2.0 component, and its log.
 
 use super::*;
 
@@ -14,8 +14,8 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// A new instance for Model Exchange (type 0) or co-simulation (type 1); NULL, with a sentence in the log, where the name
-/// is empty or the guid another.
+/// A new instance for Model Exchange (type 0) or co-simulation (type 1); NULL, with a message in the log, if the name is empty or
+/// the guid differs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: *const c_char,
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: c_int,
     logging_on: c_int,
 ) -> *mut c_void {
-    // SAFETY: callbacks and texts are the host's, as the standard has it.
+    // SAFETY: the host's callbacks and texts, as the standard requires.
     unsafe {
         let Some(callbacks) = functions.as_ref() else { return std::ptr::null_mut() };
         let name = text(instance_name);
@@ -47,14 +47,14 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: *mut c_void) {
     unsafe { boundary::free::<Host>(c) };
 }
 
-/// `fmi2Reset`: allowed always, also after a break-down.
+/// `fmi2Reset`: always allowed, also after a panic.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(c: *mut c_void) -> CEnum {
     // SAFETY: the host's component.
     unsafe { boundary::reset::<Host>(c) }
 }
 
-/// Chooses the log categories that the host hears of; none given means all of them.
+/// Selects the log categories that the host receives; none means all.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     c: *mut c_void,
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     n_categories: usize,
     categories: *const *const c_char,
 ) -> CEnum {
-    // SAFETY: the host's component and texts, as the standard has them.
+    // SAFETY: the host's component and texts, as the standard requires.
     unsafe { boundary::choose::<Host>(c, "fmi2SetDebugLogging", logging_on != FALSE, n_categories, categories) }
 }
 
@@ -80,18 +80,18 @@ c_functions! {
         (stop_time_defined != FALSE).then_some(stop_time),
     );
 
-    /// From here on outputs are calculated from parameters and inputs as they are set.
+    /// From now on outputs are calculated from the current parameters and inputs.
     extern "C" fn fmi2EnterInitializationMode() = |instance| instance.enter_initialization();
 
-    /// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
+    /// Fills the chamber at initialPressure and initialTemperature; refused if the parameters are inconsistent.
     extern "C" fn fmi2ExitInitializationMode() = |instance| instance.exit_initialization();
 
-    /// Stops continuous time for an event: parameters can be tuned, a jump of position is taken up adiabatically.
+    /// Stops continuous time for an event: parameters can be tuned, and a jump of position is applied adiabatically.
     extern "C" fn fmi2EnterEventMode() = |instance| instance.enter_event();
 
-    /// Goes from event mode on to integration by the host.
+    /// Resumes integration by the host after event mode.
     extern "C" fn fmi2EnterContinuousTimeMode() = |instance| instance.enter_continuous_time();
 
-    /// Ends the simulation; its last values can still be read.
+    /// Ends the simulation; its last values remain readable.
     extern "C" fn fmi2Terminate() = |instance| instance.terminate();
 }

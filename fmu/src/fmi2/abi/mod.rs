@@ -1,8 +1,8 @@
-//! The C functions of FMI 2.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
-//! the [`Instance`](crate::protocol::instance::Instance). Signatures: fmi2FunctionTypes.h of FMI 2.0.5.
+//! The C functions of FMI 2.0 for Model Exchange and co-simulation: each turns its pointers into slices and calls the
+//! [`Instance`](crate::protocol::instance::Instance). Signatures: fmi2FunctionTypes.h of FMI 2.0.5.
 //!
-//! Every function is safe to call as the standard has it: with a component that `fmi2Instantiate` made and
-//! `fmi2FreeInstance` has not freed, from one thread at a time, and with arrays as long as the lengths beside them say.
+//! Every function is safe to call under the standard's conditions: with a component from `fmi2Instantiate` not yet freed by
+//! `fmi2FreeInstance`, from one thread at a time, and with arrays of the stated lengths.
 
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 

@@ -1,8 +1,8 @@
-//! A simulation under way in FMI 2.0: steps of co-simulation, time and states of Model Exchange, events.
+//! Running a simulation in FMI 2.0: steps of co-simulation, time and states of Model Exchange, events.
 
 use super::*;
 
-/// Steps are done when fmi2DoStep returns: of the status kinds only the times and the wish to end have an answer.
+/// Steps are complete when fmi2DoStep returns: only the time and termination status kinds can be queried.
 const NO_STATUS: Refusal =
     Refusal::NotOffered { what: "no step is pending; ask for fmi2LastSuccessfulTime or fmi2Terminated" };
 /// `fmi2LastSuccessfulTime`.
@@ -11,7 +11,7 @@ const LAST_SUCCESSFUL_TIME: CEnum = 2;
 const TERMINATED: CEnum = 3;
 
 c_functions! {
-    /// One communication step, s; where no accurate step exists, fmi2Discard and the instance as it was.
+    /// One communication step, s; if no accurate step exists, returns fmi2Discard and leaves the instance unchanged.
     extern "C" fn fmi2DoStep(
         current_communication_point: f64,
         communication_step_size: f64,
@@ -39,8 +39,7 @@ c_functions! {
     /// Always refused: no status is an Integer.
     extern "C" fn fmi2GetIntegerStatus(_kind: CEnum, _value: *mut c_int) = |_| Err(NO_STATUS);
 
-    /// `fmi2GetBooleanStatus`: the FMU wants to end the simulation where the host repeats a step that was discarded. FMPy would do
-    /// so for ever.
+    /// `fmi2GetBooleanStatus`: asks to terminate if the host repeats a discarded step, which FMPy would do forever.
     extern "C" fn fmi2GetBooleanStatus(kind: CEnum, value: *mut c_int) = |instance| {
         if kind != TERMINATED {
             return Err(NO_STATUS);
@@ -52,7 +51,7 @@ c_functions! {
     /// Always refused: a step is never pending.
     extern "C" fn fmi2GetStringStatus(_kind: CEnum, _value: *mut *const c_char) = |_| Err(NO_STATUS);
 
-    /// Handles an event; one iteration is all that it needs.
+    /// Handles an event, always in one iteration.
     extern "C" fn fmi2NewDiscreteStates(info: *mut EventInfo) = |instance| {
         let info = place(info, "fmi2eventInfo")?;
         let event = instance.new_discrete_states()?;
@@ -65,21 +64,21 @@ c_functions! {
         Ok(())
     };
 
-    /// `fmi2CompletedIntegratorStep`: no event follows from a step's completion, and no end.
+    /// `fmi2CompletedIntegratorStep`: never causes an event or the end of the simulation.
     extern "C" fn fmi2CompletedIntegratorStep(
         _no_set_fmu_state_prior_to_current_point: c_int,
         enter_event_mode: *mut c_int,
         terminate_simulation: *mut c_int,
     ) = |instance| boundary::completed_step(instance, enter_event_mode, terminate_simulation);
 
-    /// Sets the time of a host that integrates, s.
+    /// Sets the time for a host that integrates, s.
     extern "C" fn fmi2SetTime(time: f64) = |instance| instance.set_time(time);
 
-    /// Sets the states of a host that integrates, in their order in the model description; all finite, or none is taken.
+    /// Sets the states for a host that integrates, in the order of the model description; all must be finite, or none is set.
     extern "C" fn fmi2SetContinuousStates(x: *const f64, nx: usize) =
         |instance| instance.set_continuous_states(elements(x, nx, "x")?);
 
-    /// The continuous states, in their order in the model description.
+    /// The continuous states, in the order of the model description.
     extern "C" fn fmi2GetContinuousStates(x: *mut f64, nx: usize) =
         |instance| instance.continuous_states(elements_mut(x, nx, "x")?);
 
@@ -87,7 +86,7 @@ c_functions! {
     extern "C" fn fmi2GetDerivatives(derivatives: *mut f64, nx: usize) =
         |instance| instance.derivatives(elements_mut(derivatives, nx, "derivatives")?);
 
-    /// Functions that change their sign at the corners of the equations.
+    /// Functions that change sign at the corners of the equations.
     extern "C" fn fmi2GetEventIndicators(indicators: *mut f64, ni: usize) =
         |instance| instance.event_indicators(elements_mut(indicators, ni, "eventIndicators")?);
 

@@ -3,11 +3,11 @@
 use super::*;
 
 c_functions! {
-    /// Values of real variables in SI units: all of them, or none where one is refused.
+    /// Values of real variables in SI units: all of them, or none if one is refused.
     extern "C" fn fmi2GetReal(vr: *const c_uint, nvr: usize, value: *mut f64) =
         |instance| instance.get_real(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?);
 
-    /// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
+    /// Sets real inputs and parameters in SI units: all of them, or none if one is refused.
     extern "C" fn fmi2SetReal(vr: *const c_uint, nvr: usize, value: *const f64) =
         |instance| instance.set_real(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?);
 
@@ -23,7 +23,7 @@ c_functions! {
     extern "C" fn fmi2GetBoolean(vr: *const c_uint, nvr: usize, value: *mut c_int) =
         |instance| instance.get_boolean(elements(vr, nvr, "vr")?, elements_mut(value, nvr, "value")?);
 
-    /// `fmi2SetBoolean`: any number but zero is true.
+    /// `fmi2SetBoolean`: any nonzero number is true.
     extern "C" fn fmi2SetBoolean(vr: *const c_uint, nvr: usize, value: *const c_int) =
         |instance| instance.set_boolean(elements(vr, nvr, "vr")?, elements(value, nvr, "value")?);
 
@@ -35,7 +35,7 @@ c_functions! {
     extern "C" fn fmi2SetString(vr: *const c_uint, nvr: usize, _value: *const *const c_char) =
         |instance| instance.none_of_type(elements(vr, nvr, "vr")?, "String");
 
-    /// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
+    /// Exact directional derivatives of outputs, states and rates with respect to inputs, states and parameters.
     extern "C" fn fmi2GetDirectionalDerivative(
         unknown: *const c_uint,
         n_unknown: usize,
@@ -50,7 +50,7 @@ c_functions! {
         elements_mut(value, n_unknown, "dvUnknown")?,
     );
 
-    /// Sets derivatives of inputs, orders 1 to 3, for the next step; SI units per s to that order.
+    /// Sets derivatives of inputs, orders 1 to 3, for the next step, in SI units per s to that order.
     extern "C" fn fmi2SetRealInputDerivatives(vr: *const c_uint, nvr: usize, order: *const c_int, value: *const f64) =
         |instance| instance.set_input_derivatives(
             elements(vr, nvr, "vr")?,

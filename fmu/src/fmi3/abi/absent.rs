@@ -1,9 +1,9 @@
-//! What the standard declares and this FMU has none of: variables of other types, clocks, configuration, dependencies by
-//! element. Each function refuses in a sentence.
+//! Functions of the standard for features that this FMU lacks: variables of other types, clocks, configuration, dependencies by
+//! element. Each refuses with a message.
 
 use super::*;
 
-/// Functions for variables of a type that there is none of: they refuse whatever reference they are given.
+/// Functions for variables of types that do not occur: they refuse any reference.
 macro_rules! none_of_type {
     ($($is:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {c_functions! {$($(
         #[doc = concat!("`", stringify!($function), "`: there is no variable of type ", $is, ".")]
@@ -12,7 +12,7 @@ macro_rules! none_of_type {
     )+)+}};
 }
 
-/// Functions that are not offered, with what they say.
+/// Functions not offered, with the reason in their refusal.
 macro_rules! not_offered {
     ($($what:literal: $(extern "C" fn $function:ident($($argument:ident: $of:ty),*);)+)+) => {c_functions! {$($(
         #[doc = concat!("`", stringify!($function), "`: not offered.")]

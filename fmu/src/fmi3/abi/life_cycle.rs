@@ -1,4 +1,4 @@
-//! An instance of FMI 3.0 from its making to its end, and its log.
+//! Life cycle of an FMI 3.0 instance, and its log.
 
 use super::*;
 
@@ -8,7 +8,7 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-/// Makes an instance.
+/// Creates an instance.
 unsafe fn instantiate(
     name: *const c_char,
     token: *const c_char,
@@ -17,11 +17,11 @@ unsafe fn instantiate(
     log: LogMessage,
     kind: std::result::Result<Kind, &'static str>,
 ) -> *mut c_void {
-    // SAFETY: logger and texts are the host's, as the standard has it.
+    // SAFETY: the host's logger and texts, as the standard requires.
     unsafe { boundary::instantiate(Host { environment, log }, logging_on != 0, text(name), text(token), kind) }
 }
 
-/// A new instance for Model Exchange; NULL, with a sentence in the log, where the name is empty or the token another.
+/// A new instance for Model Exchange; NULL, with a message in the log, if the name is empty or the token differs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     instance_name: *const c_char,
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     unsafe { instantiate(instance_name, instantiation_token, logging_on, environment, log, Ok(Kind::ModelExchange)) }
 }
 
-/// `fmi3InstantiateCoSimulation`: no variable changes within a step, so intermediate update is not used.
+/// `fmi3InstantiateCoSimulation`: no variable changes within a step, so there is no intermediate update.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     instance_name: *const c_char,
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         0 => Ok(Kind::CoSimulation),
         _ => Err("intermediate variables are not provided"),
     };
-    // SAFETY: the host's texts and logger; what comes back is a fresh instance or NULL.
+    // SAFETY: the host's texts and logger; the result is a new instance or NULL.
     unsafe {
         let c = instantiate(instance_name, instantiation_token, logging_on, environment, log, kind);
         if let Some(component) = c.cast::<Component<Host>>().as_mut() {
@@ -93,14 +93,14 @@ pub unsafe extern "C" fn fmi3FreeInstance(c: *mut c_void) {
     unsafe { boundary::free::<Host>(c) };
 }
 
-/// `fmi3Reset`: allowed always, also after a break-down.
+/// `fmi3Reset`: always allowed, also after a panic.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Reset(c: *mut c_void) -> CEnum {
     // SAFETY: the host's instance.
     unsafe { boundary::reset::<Host>(c) }
 }
 
-/// Chooses the log categories that the host hears of; none given means all of them.
+/// Selects the log categories that the host receives; none means all.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     c: *mut c_void,
@@ -108,12 +108,12 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     n: usize,
     categories: *const *const c_char,
 ) -> CEnum {
-    // SAFETY: the host's instance and texts, as the standard has them.
+    // SAFETY: the host's instance and texts, as the standard requires.
     unsafe { boundary::choose::<Host>(c, "fmi3SetDebugLogging", logging_on != 0, n, categories) }
 }
 
 c_functions! {
-    /// Announces tolerance, start and stop time, s; from here on outputs are calculated from parameters and inputs.
+    /// Announces tolerance, start and stop time, s; from now on outputs are calculated from parameters and inputs.
     extern "C" fn fmi3EnterInitializationMode(
         tolerance_defined: u8,
         tolerance: f64,
@@ -127,18 +127,18 @@ c_functions! {
         instance.enter_initialization()
     };
 
-    /// Fills the chamber at initialPressure and initialTemperature; refused where the parameters make no chamber.
+    /// Fills the chamber at initialPressure and initialTemperature; refused if the parameters are inconsistent.
     extern "C" fn fmi3ExitInitializationMode() = |instance| instance.exit_initialization();
 
-    /// Stops continuous time or stepping for an event: parameters can be tuned, a jump of position is taken up.
+    /// Stops continuous time or stepping for an event: parameters can be tuned, and a jump of position is applied.
     extern "C" fn fmi3EnterEventMode() = |instance| instance.enter_event();
 
-    /// Goes from event mode on to steps of co-simulation.
+    /// Resumes steps of co-simulation after event mode.
     extern "C" fn fmi3EnterStepMode() = |instance| instance.enter_step();
 
-    /// Goes from event mode on to integration by the host.
+    /// Resumes integration by the host after event mode.
     extern "C" fn fmi3EnterContinuousTimeMode() = |instance| instance.enter_continuous_time();
 
-    /// Ends the simulation; its last values can still be read.
+    /// Ends the simulation; its last values remain readable.
     extern "C" fn fmi3Terminate() = |instance| instance.terminate();
 }

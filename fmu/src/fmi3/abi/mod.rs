@@ -1,8 +1,8 @@
-//! The C functions of FMI 3.0 for Model Exchange and co-simulation: each turns its pointers into slices and hands over to
-//! the [`Instance`], as those of FMI 2.0 do. Signatures: fmi3FunctionTypes.h of FMI 3.0.2.
+//! The C functions of FMI 3.0 for Model Exchange and co-simulation: each turns its pointers into slices and calls the
+//! [`Instance`], like those of FMI 2.0. Signatures: fmi3FunctionTypes.h of FMI 3.0.2.
 //!
-//! Every function is safe to call as the standard has it: with an instance that was made here and has not been freed, from
-//! one thread at a time, and with arrays as long as the lengths beside them say. Booleans arrive as bytes.
+//! Every function is safe to call under the standard's conditions: with an instance created here and not yet freed, from one
+//! thread at a time, and with arrays of the stated lengths. Booleans are passed as bytes.
 
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc, clippy::too_many_arguments)]
 

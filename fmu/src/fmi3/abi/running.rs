@@ -1,10 +1,10 @@
-//! A simulation under way in FMI 3.0: steps of co-simulation, time and states of Model Exchange, events of both.
+//! Running a simulation in FMI 3.0: steps of co-simulation, time and states of Model Exchange, events of both.
 
 use super::*;
 
 c_functions! {
-    /// One communication step, s, which ends at the first event where the host allows an early return; where no accurate step
-    /// exists, fmi3Discard and the instance as it was.
+    /// One communication step, s, which ends at the first event if the host allows an early return; if no accurate step exists,
+    /// returns fmi3Discard and leaves the instance unchanged.
     extern "C" fn fmi3DoStep(
         point: f64,
         h: f64,
@@ -29,7 +29,7 @@ c_functions! {
         Ok(())
     };
 
-    /// Handles an event; one iteration is all that it needs.
+    /// Handles an event, always in one iteration.
     extern "C" fn fmi3UpdateDiscreteStates(
         again: *mut u8,
         terminate: *mut u8,
@@ -51,18 +51,18 @@ c_functions! {
         Ok(())
     };
 
-    /// `fmi3CompletedIntegratorStep`: no event follows from a step's completion, and no end.
+    /// `fmi3CompletedIntegratorStep`: never causes an event or the end of the simulation.
     extern "C" fn fmi3CompletedIntegratorStep(_no_set_prior: u8, enter_event_mode: *mut u8, terminate: *mut u8) =
         |instance| boundary::completed_step(instance, enter_event_mode, terminate);
 
-    /// Sets the time of a host that integrates, s.
+    /// Sets the time for a host that integrates, s.
     extern "C" fn fmi3SetTime(time: f64) = |instance| instance.set_time(time);
 
-    /// Sets the states of a host that integrates, in their order in the model description; all finite, or none is taken.
+    /// Sets the states for a host that integrates, in the order of the model description; all must be finite, or none is set.
     extern "C" fn fmi3SetContinuousStates(values: *const f64, n: usize) =
         |instance| instance.set_continuous_states(elements(values, n, "continuousStates")?);
 
-    /// The continuous states, in their order in the model description.
+    /// The continuous states, in the order of the model description.
     extern "C" fn fmi3GetContinuousStates(values: *mut f64, n: usize) =
         |instance| instance.continuous_states(elements_mut(values, n, "continuousStates")?);
 
@@ -70,7 +70,7 @@ c_functions! {
     extern "C" fn fmi3GetContinuousStateDerivatives(values: *mut f64, n: usize) =
         |instance| instance.derivatives(elements_mut(values, n, "derivatives")?);
 
-    /// Functions that change their sign at the corners of the equations.
+    /// Functions that change sign at the corners of the equations.
     extern "C" fn fmi3GetEventIndicators(values: *mut f64, n: usize) =
         |instance| instance.event_indicators(elements_mut(values, n, "eventIndicators")?);
 

@@ -1,8 +1,8 @@
-//! Variables of FMI 3.0 that this FMU has, and their derivatives.
+//! Supported variable types of FMI 3.0, and their derivatives.
 
 use super::*;
 
-/// A value of a Float64 variable, the time and the event indicators included.
+/// Value of a Float64 variable, including the time and the event indicators.
 fn float(instance: &mut Instance, reference: u32) -> Result<f64> {
     if reference == time_reference() {
         return Ok(instance.time());
@@ -15,7 +15,7 @@ fn float(instance: &mut Instance, reference: u32) -> Result<f64> {
     Ok(value[0])
 }
 
-/// The lengths of references and values, equal as every variable is a scalar.
+/// Checks that there are as many values as references, since every variable is a scalar.
 fn same_length(references: usize, values: usize) -> Result<()> {
     if references == values {
         return Ok(());
@@ -24,7 +24,7 @@ fn same_length(references: usize, values: usize) -> Result<()> {
 }
 
 c_functions! {
-    /// Values of real variables in SI units, the time and the event indicators included: all of them, or none.
+    /// Values of real variables in SI units, including the time and the event indicators: all of them, or none.
     extern "C" fn fmi3GetFloat64(vr: *const u32, nvr: usize, values: *mut f64, n: usize) = |instance| {
         same_length(nvr, n)?;
         let (references, values) = (elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?);
@@ -36,7 +36,7 @@ c_functions! {
         Ok(())
     };
 
-    /// Sets real inputs and parameters in SI units: all of them, or none where one is refused.
+    /// Sets real inputs and parameters in SI units: all of them, or none if one is refused.
     extern "C" fn fmi3SetFloat64(vr: *const u32, nvr: usize, values: *const f64, n: usize) = |instance| {
         same_length(nvr, n)?;
         instance.set_real(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
@@ -60,13 +60,13 @@ c_functions! {
         instance.get_boolean(elements(vr, nvr, "valueReferences")?, elements_mut(values, n, "values")?)
     };
 
-    /// Sets externalWall, before the end of initialization; any number but zero is true.
+    /// Sets externalWall, before the end of initialization; any nonzero number is true.
     extern "C" fn fmi3SetBoolean(vr: *const u32, nvr: usize, values: *const u8, n: usize) = |instance| {
         same_length(nvr, n)?;
         instance.set_boolean(elements(vr, nvr, "valueReferences")?, elements(values, n, "values")?)
     };
 
-    /// Exact derivatives of outputs, states and rates along a direction of inputs, states and parameters.
+    /// Exact directional derivatives of outputs, states and rates with respect to inputs, states and parameters.
     extern "C" fn fmi3GetDirectionalDerivative(
         unknowns: *const u32,
         n_unknowns: usize,

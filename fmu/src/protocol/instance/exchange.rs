@@ -1,4 +1,4 @@
-//! What belongs to events, and to a host that integrates: modes, time, states, rates and event indicators.
+//! Events, and functions for a host that integrates: modes, time, states, rates and event indicators.
 
 use super::{Event, Instance, warning};
 use crate::plant::corners::CORNERS;
@@ -12,7 +12,7 @@ impl Instance {
     /// Stops continuous time, or steps that use event mode, for an event (`fmi2EnterEventMode`).
     ///
     /// # Errors
-    /// Outside Model Exchange under way.
+    /// Outside a running Model Exchange simulation.
     pub fn enter_event(&mut self) -> Result<(), Refusal> {
         let step = if self.uses_event_mode { Phase::Step } else { Phase::Continuous };
         self.need(&[Phase::Continuous, Phase::Event, step], "enter event mode from continuous-time mode")?;
@@ -23,10 +23,10 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2NewDiscreteStates`: one iteration is all that an event needs.
+    /// `fmi2NewDiscreteStates`: every event needs only one iteration.
     ///
     /// # Errors
-    /// Outside event mode; where inputs leave the gas no room.
+    /// Outside event mode; if inputs leave the gas no room.
     pub fn new_discrete_states(&mut self) -> Result<Event, Refusal> {
         self.need(&[Phase::Event], "call fmi2EnterEventMode first")?;
         let states_changed = self.now.kind == Kind::ModelExchange && self.now.handle_event()?;
@@ -36,7 +36,7 @@ impl Instance {
         Ok(Event { states_changed, next })
     }
 
-    /// Goes from event mode on to integration by the host (`fmi2EnterContinuousTimeMode`).
+    /// Resumes integration by the host after event mode (`fmi2EnterContinuousTimeMode`).
     ///
     /// # Errors
     /// Outside event mode.
@@ -47,11 +47,11 @@ impl Instance {
         Ok(())
     }
 
-    /// Notes that the host's integrator accepted a step: a delayed record takes what the sensor showed within it
+    /// Called when the host's integrator accepted a step: a delayed record stores the sensor's readings within it
     /// (`fmi2CompletedIntegratorStep`).
     ///
     /// # Errors
-    /// Outside continuous-time mode; where the states make no gas.
+    /// Outside continuous-time mode; for states impossible for a gas.
     pub fn completed_step(&mut self) -> Result<(), Refusal> {
         self.need(&[Phase::Continuous], "complete integrator steps in continuous-time mode")?;
         self.now.complete_step()?;
@@ -60,10 +60,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets the time of a host that integrates, s (`fmi2SetTime`).
+    /// Sets the time for a host that integrates, s (`fmi2SetTime`).
     ///
     /// # Errors
-    /// Outside Model Exchange under way; a time that is not finite.
+    /// Outside a running Model Exchange simulation; for a time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.need_exchange()?;
         self.need(&[Phase::Event, Phase::Continuous], "the time is set in event mode or continuous-time mode")?;
@@ -76,11 +76,11 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets the states of a host that integrates, SI units, in the order of [`crate::plant::states`]
+    /// Sets the states for a host that integrates, SI units, in the order of [`crate::plant::states`]
     /// (`fmi2SetContinuousStates`).
     ///
     /// # Errors
-    /// Outside Model Exchange under way; another number of states, states that are not finite.
+    /// Outside a running Model Exchange simulation; for a wrong number of states, or states that are not finite.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
         self.need_exchange()?;
         self.need(
@@ -99,10 +99,10 @@ impl Instance {
         Ok(())
     }
 
-    /// The states, SI units; in initialization mode those that parameters and inputs make (`fmi2GetContinuousStates`).
+    /// The states, SI units; in initialization mode those given by parameters and inputs (`fmi2GetContinuousStates`).
     ///
     /// # Errors
-    /// Outside Model Exchange; another number of states.
+    /// Outside Model Exchange; for a wrong number of states.
     pub fn continuous_states(&mut self, states: &mut [f64]) -> Result<(), Refusal> {
         self.exchange()?;
         let states: &mut [f64; ALL] = of_length(states, "nx")?;
@@ -113,7 +113,7 @@ impl Instance {
     /// Time derivatives of the states, SI units per s (`fmi2GetDerivatives`).
     ///
     /// # Errors
-    /// Outside Model Exchange; another number of states; states that make no gas.
+    /// Outside Model Exchange; for a wrong number of states, or states impossible for a gas.
     pub fn derivatives(&mut self, rates: &mut [f64]) -> Result<(), Refusal> {
         self.exchange()?;
         let rates: &mut [f64; ALL] = of_length(rates, "nx")?;
@@ -121,10 +121,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Functions that change their sign at the corners of the equations, of order one (`fmi2GetEventIndicators`).
+    /// Functions of order one that change sign at the corners of the equations (`fmi2GetEventIndicators`).
     ///
     /// # Errors
-    /// Outside Model Exchange; another number of indicators; states that make no gas.
+    /// Outside Model Exchange; for a wrong number of indicators, or states impossible for a gas.
     pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), Refusal> {
         self.exchange()?;
         let indicators: &mut [f64; CORNERS] = of_length(indicators, "ni")?;
@@ -135,7 +135,7 @@ impl Instance {
     /// One event indicator, as a variable of FMI 3.0.
     ///
     /// # Errors
-    /// Before initialization mode; states that make no gas.
+    /// Before initialization mode; for states impossible for a gas.
     pub fn indicator(&self, index: usize) -> Result<f64, Refusal> {
         self.need(&Phase::KNOWN, "event indicators are available from initialization mode on")?;
         Ok(self.now.indicators()?[index])
@@ -144,7 +144,7 @@ impl Instance {
     /// Orders of magnitude of the states, SI units (`fmi2GetNominalsOfContinuousStates`).
     ///
     /// # Errors
-    /// Outside Model Exchange; another number of states.
+    /// Outside Model Exchange; for a wrong number of states.
     pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), Refusal> {
         self.need_exchange()?;
         let nominals: &mut [f64; ALL] = of_length(nominals, "nx")?;
@@ -167,7 +167,7 @@ impl Instance {
     }
 }
 
-/// The host's array, which must have as many elements as there are states or indicators.
+/// Checks the length of the host's array, which must be the number of states or indicators.
 fn of_length<'a, const N: usize>(array: &'a mut [f64], argument: &'static str) -> Result<&'a mut [f64; N], Refusal> {
     let length = array.len();
     array.try_into().map_err(|_| Refusal::WrongLength { argument, length, expected: N })

@@ -1,4 +1,4 @@
-//! One instance as a host sees it, without C: its life cycle here, what belongs to its phases in files of their own.
+//! One instance as seen by a host, without C: its life cycle here, the functions of each phase in submodules.
 
 mod exchange;
 mod saved;
@@ -30,36 +30,36 @@ pub struct Instance {
     warnings: Warnings,
     messages: Vec<Message>,
     refused: Option<RefusedStep>,
-    /// Whether the host wants to hear of events.
+    /// Whether the host wants event messages.
     pub tells_events: bool,
-    /// Whether co-simulation has an event mode, which it begins in and which follows an early return.
+    /// Whether co-simulation has an event mode, in which it starts and which follows an early return.
     pub uses_event_mode: bool,
     /// Whether a step may end early, at an event.
     pub returns_early: bool,
 }
 
-/// A step that could not be made.
+/// A refused step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct RefusedStep {
-    /// Where it was to begin, s.
+    /// Its start, s.
     point: f64,
-    /// How long it was to be, s.
+    /// Its length, s.
     h: f64,
-    /// Whether the host has asked for the same one again.
+    /// Whether the host has requested the same step again.
     is_repeated: bool,
 }
 
-/// What an event's iteration has come to.
+/// Result of an event iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Whether continuous states have new values.
     pub states_changed: bool,
-    /// When the next event is, s, where that is known.
+    /// Time of the next event, s, if known.
     pub next: Option<f64>,
 }
 
 impl Instance {
-    /// A fresh instance of this kind with these start values; `guid` marks its serialized states.
+    /// A new instance of this kind with these start values; `guid` identifies its serialized states.
     pub fn new(starts: &Starts, guid: &str, kind: Kind) -> Self {
         Self {
             starts: *starts,
@@ -82,8 +82,8 @@ impl Instance {
         self.now.time
     }
 
-    /// Whether the simulation cannot go on: the host asks again for a step that was refused, instead of a shorter one, and no other
-    /// input makes it possible.
+    /// Whether the simulation cannot continue: the host repeats a refused step instead of a shorter one, and no other input makes
+    /// it possible.
     pub fn is_stuck(&self) -> bool {
         self.refused.is_some_and(|step| step.is_repeated)
     }
@@ -93,7 +93,7 @@ impl Instance {
         self.phase
     }
 
-    /// What accepted calls had to say since the last time this was asked.
+    /// Messages of accepted calls since the last time this was called.
     pub fn messages(&mut self) -> Vec<Message> {
         std::mem::take(&mut self.messages)
     }
@@ -105,10 +105,10 @@ impl Instance {
         Err(Refusal::OutOfOrder { phase: self.phase.told(), advice })
     }
 
-    /// Takes the relative tolerance, start and stop time, s, that the host announces (`fmi2SetupExperiment`).
+    /// Sets the relative tolerance, start and stop time, s, from the host (`fmi2SetupExperiment`).
     ///
     /// # Errors
-    /// After initialization has begun; times or tolerance of no use.
+    /// After initialization has begun; for invalid times or tolerance.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.need(&[Phase::Instantiated], "set up the experiment before initialization mode")?;
         let bad = |argument, value, expected| Err(Refusal::BadArgument { argument, value, expected });
@@ -128,10 +128,10 @@ impl Instance {
         Ok(())
     }
 
-    /// From here on outputs are calculated from parameters and inputs (`fmi2EnterInitializationMode`).
+    /// From now on outputs are calculated from parameters and inputs (`fmi2EnterInitializationMode`).
     ///
     /// # Errors
-    /// When not freshly instantiated or reset.
+    /// Unless newly instantiated or reset.
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
         self.need(&[Phase::Instantiated], "an instance is initialized once; call fmi2Reset to do it again")?;
         self.phase = Phase::Initialization;
@@ -139,10 +139,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Fills the chamber at its initial state and begins the simulation (`fmi2ExitInitializationMode`).
+    /// Fills the chamber with its initial state and starts the simulation (`fmi2ExitInitializationMode`).
     ///
     /// # Errors
-    /// Outside initialization mode; parameters that make no chamber.
+    /// Outside initialization mode; for inconsistent parameters.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.need(&[Phase::Initialization], "call fmi2EnterInitializationMode first")?;
         self.now.begin()?;
@@ -160,17 +160,17 @@ impl Instance {
         self.warnings.of_parameters(&self.now, &mut |text| messages.push(warning(text)));
     }
 
-    /// Ends the simulation; its last values stay readable (`fmi2Terminate`).
+    /// Ends the simulation; its last values remain readable (`fmi2Terminate`).
     ///
     /// # Errors
-    /// When there is nothing to end.
+    /// If no simulation is running.
     pub fn terminate(&mut self) -> Result<(), Refusal> {
         self.need(&Phase::RUNNING, "only a running simulation can be terminated")?;
         self.phase = Phase::Terminated;
         Ok(())
     }
 
-    /// `fmi2Reset`: as freshly instantiated. Saved states stay valid.
+    /// `fmi2Reset`: back to the state after instantiation. Saved states remain valid.
     pub fn reset(&mut self) {
         self.now = Simulation::new(&self.starts, self.now.kind);
         self.phase = Phase::Instantiated;
@@ -180,7 +180,7 @@ impl Instance {
     }
 }
 
-/// A message to look at an accepted call.
+/// A warning about an accepted call.
 fn warning(text: String) -> Message {
     Message { status: Status::Warning, category: Category::Warning, text }
 }

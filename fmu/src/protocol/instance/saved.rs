@@ -1,4 +1,4 @@
-//! Saved states: copies behind handles, and their bytes.
+//! Saved states: copies with handles, and their bytes.
 
 use super::Instance;
 use crate::protocol::refusal::Refusal;
@@ -6,7 +6,7 @@ use crate::protocol::snapshot::Snapshot;
 use crate::protocol::state_bytes;
 
 impl Instance {
-    /// `fmi2GetFMUstate`: a handle to a copy; one that is already a handle is filled anew.
+    /// `fmi2GetFMUstate`: saves a copy and returns its handle; an existing handle is reused.
     pub fn save(&mut self, handle: usize) -> usize {
         if let Some(existing) = self.saved.get_mut(&handle) {
             existing.phase = self.phase;
@@ -28,10 +28,10 @@ impl Instance {
         self.saved.get(&handle).map(|boxed| &**boxed).ok_or(Refusal::BadState { why })
     }
 
-    /// Takes the instance back to the copy behind a handle (`fmi2SetFMUstate`).
+    /// Restores the instance from the copy with a handle (`fmi2SetFMUstate`).
     ///
     /// # Errors
-    /// A handle that is none.
+    /// For an invalid handle.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
         let Snapshot { phase, simulation } = self.saved(handle)?.clone();
         (self.phase, self.now) = (phase, simulation);
@@ -40,28 +40,28 @@ impl Instance {
         Ok(())
     }
 
-    /// Drops the copy behind a handle (`fmi2FreeFMUstate`).
+    /// Drops the copy with a handle (`fmi2FreeFMUstate`).
     ///
     /// # Errors
-    /// A handle that is none.
+    /// For an invalid handle.
     pub fn free(&mut self, handle: usize) -> Result<(), Refusal> {
         self.saved(handle)?;
         self.saved.remove(&handle);
         Ok(())
     }
 
-    /// The copy behind a handle as bytes (`fmi2SerializeFMUstate`).
+    /// The copy with a handle as bytes (`fmi2SerializeFMUstate`).
     ///
     /// # Errors
-    /// A handle that is none.
+    /// For an invalid handle.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
         Ok(state_bytes::encode(self.saved(handle)?, &self.guid))
     }
 
-    /// A handle to the copy that these bytes hold (`fmi2DeSerializeFMUstate`).
+    /// Stores the copy encoded by these bytes and returns its handle (`fmi2DeSerializeFMUstate`).
     ///
     /// # Errors
-    /// Bytes that are no state of this FMU.
+    /// For bytes that are no state of this FMU.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let snapshot = state_bytes::decode(bytes, &self.guid)?;
         if snapshot.simulation.kind != self.now.kind {

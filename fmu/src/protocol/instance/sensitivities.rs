@@ -1,4 +1,4 @@
-//! Derivatives: of inputs and outputs in time, and along directions.
+//! Derivatives: of inputs and outputs with respect to time, and directional ones.
 
 use super::{Instance, any, real};
 use crate::plant::derivatives;
@@ -16,7 +16,7 @@ impl Instance {
     /// (`fmi2SetRealInputDerivatives`).
     ///
     /// # Errors
-    /// Model Exchange; variables that are no inputs, orders that are not supported, values that are not finite.
+    /// In Model Exchange; for variables that are no inputs, unsupported orders, or values that are not finite.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Refusal> {
         if self.now.kind == Kind::ModelExchange {
             return Err(Refusal::NotOffered {
@@ -59,7 +59,7 @@ impl Instance {
     /// First time derivatives of outputs at the present time, SI units per s (`fmi2GetRealOutputDerivatives`).
     ///
     /// # Errors
-    /// Variables that are no outputs, orders above the first.
+    /// For variables that are no outputs, or orders above the first.
     pub fn output_derivatives(&self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Result<(), Refusal> {
         self.need(&[Phase::Step, Phase::Terminated], "output derivatives are available after initialization")?;
         for (&reference, &order) in references.iter().zip(orders) {
@@ -80,10 +80,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Derivatives of unknowns along a direction of knowns, exact (`fmi2GetDirectionalDerivative`).
+    /// Exact directional derivatives of unknowns with respect to knowns (`fmi2GetDirectionalDerivative`).
     ///
     /// # Errors
-    /// Unknowns that are not calculated, knowns that are.
+    /// For unknowns that are not calculated, or knowns that are.
     pub fn directional(
         &self,
         unknown: &[u32],
@@ -107,7 +107,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The direction that a host gives. States are knowns once initialization is over.
+    /// The host's direction. States are knowns after initialization.
     fn seed(&self, known: &[u32], direction: &[f64]) -> Result<Seed, Refusal> {
         let mut seed = Seed::ZERO;
         for (&reference, &value) in known.iter().zip(direction) {

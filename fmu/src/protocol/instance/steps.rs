@@ -1,4 +1,4 @@
-//! Steps of co-simulation: to the next communication point, or no further than to the first event.
+//! Steps of co-simulation: to the next communication point, or only to the first event.
 
 use super::{Instance, RefusedStep, warning};
 use crate::plant::corners::CORNERS;
@@ -8,14 +8,15 @@ use crate::protocol::message::{Category, Message, Status};
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
 
-/// Positions that differ by less agree but for rounding: a host's sum of steps is no stroke to take up.
+/// Smaller position differences are rounding, m: a host's sum of steps is not a jump of the stroke.
 const ROUNDING_M: f64 = 1e-12;
 
 impl Instance {
-    /// One step of `h` seconds from `point`, s, the host's time; a refused one changes nothing (`fmi2DoStep`).
+    /// One step of `h` seconds from the host's time `point`, s; if refused, nothing changes (`fmi2DoStep`).
     ///
     /// # Errors
-    /// Out of order; a step of no use, beyond the stop time, from another point than the last one's end; no accurate step.
+    /// In the wrong phase; for an invalid step, one beyond the stop time or not starting at the end of the last one; if no
+    /// accurate step exists.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         self.check_step(point, h)?;
         let stroke = self.advance(point, h)?;
@@ -23,9 +24,9 @@ impl Instance {
         Ok(())
     }
 
-    /// As [`Instance::do_step`], but no further than to the first event; whether there was one. An event is located to a
-    /// billionth of the step, on its far side. Two that undo each other within a step are not seen, nor is one to which the
-    /// chamber is so near at the step's start that it counts as being there: what begins at rest begins at T = Tw.
+    /// As [`Instance::do_step`], but only to the first event; returns whether there was one. An event is located to within a
+    /// billionth of the step, after it. Two events that cancel each other within a step are missed, as is one that the chamber is
+    /// so close to at the start of the step that it counts as being there: a start from rest has T = Tw.
     ///
     /// # Errors
     /// As for a step.
@@ -47,7 +48,7 @@ impl Instance {
         Ok(is_early)
     }
 
-    /// Whether a step can be asked for now, and this one.
+    /// Checks that a step, and this one, is allowed now.
     fn check_step(&self, point: f64, h: f64) -> Result<(), Refusal> {
         let advice = match self.phase {
             _ if self.now.kind == Kind::ModelExchange => "only a co-simulation instance makes steps",
@@ -74,12 +75,12 @@ impl Instance {
         Ok(())
     }
 
-    /// Makes the step; where the piston was, and where the host has it begin, m.
+    /// Makes the step; returns the piston's previous position and the host's initial position for the step, m.
     fn advance(&mut self, point: f64, h: f64) -> Result<[f64; 2], Refusal> {
         let reached = self.now.gas.position;
         let said = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
         let (begin, _) = self.now.plant.limits.apply(said, 0.0);
-        // The host's clock counts: rounding in its communication points cannot add up.
+        // The host's clock is authoritative, so that rounding in its communication points cannot accumulate.
         let time = std::mem::replace(&mut self.now.time, point);
         if let Err(fault) = self.now.step(h) {
             self.now.time = time;
@@ -92,7 +93,7 @@ impl Instance {
         Ok([reached, begin])
     }
 
-    /// What the host should know of a step from `point`, s, that took the piston up from `reached` to `begin`, m.
+    /// Sends the messages about a step from `point`, s, with a jump of the piston from `reached` to `begin`, m.
     fn tell_of(&mut self, point: f64, [reached, begin]: [f64; 2]) {
         let messages = &mut self.messages;
         if self.tells_events && (begin - reached).abs() > ROUNDING_M {
@@ -104,7 +105,7 @@ impl Instance {
         self.warnings.after_step(&self.now, reached, begin, &mut |text| messages.push(warning(text)));
     }
 
-    /// Goes from event mode on to steps of co-simulation (`fmi3EnterStepMode`).
+    /// Resumes steps of co-simulation after event mode (`fmi3EnterStepMode`).
     ///
     /// # Errors
     /// Outside event mode of co-simulation.
@@ -118,8 +119,8 @@ impl Instance {
     }
 }
 
-/// A step of `h` seconds from `before`, which is on these sides of the corners, up to the first that changes its side; `None`
-/// where rounding lets no such part of the step be made.
+/// The part of a step of `h` seconds from `before` up to the first change of these corner sides; `None` if rounding prevents such
+/// a partial step.
 fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; CORNERS]) -> Option<Simulation> {
     let (mut low, mut high) = (0.0, h);
     while high - low > 1e-9 * h {
@@ -141,7 +142,7 @@ mod tests {
     fn a_corner_at_which_the_chamber_rests_is_left_without_an_event() {
         let mut starts = Starts::default();
         starts.parameters.choices.stroke_input = StrokeInput::Velocity;
-        // Free convection: its coefficient has a corner at T = Tw, where a chamber at rest is.
+        // Free convection: its coefficient has a corner at T = Tw, the state of a chamber at rest.
         starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::PLACE]] = 0.25;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
@@ -149,7 +150,7 @@ mod tests {
         let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.set_real(&[velocity], &[-0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
-        // Drawn back, the gas cools below the wall: the corner is passed, once.
+        // On the way back the gas cools below the wall: the corner is passed once.
         instance.set_real(&[velocity], &[0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.09, 0.5), Ok(true));
         let event = instance.time();

@@ -1,4 +1,4 @@
-//! Variables set and got in batches, which are taken whole or not at all.
+//! Setting and getting variables in all-or-nothing batches.
 
 use super::{Instance, real, typed};
 use crate::plant::leader::Leader;
@@ -13,7 +13,8 @@ impl Instance {
     /// `fmi2SetReal`: the whole batch, or nothing.
     ///
     /// # Errors
-    /// Unknown or foreign references, values that are not finite or out of bounds, variables that cannot be set now.
+    /// For unknown references or those of another type, values that are not finite or out of bounds, or variables that cannot be
+    /// set now.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         self.need(&Phase::SETTABLE, "call fmi2Reset to set variables again")?;
         for (&reference, &value) in references.iter().zip(values) {
@@ -45,8 +46,8 @@ impl Instance {
         Ok(())
     }
 
-    /// A host that sets something moves the piston from then on: before the end of initialization, something else than the
-    /// start values, which many set again.
+    /// A host that sets something moves the piston from then on; before the end of initialization, only if the value differs from
+    /// the start value, which many hosts set again.
     pub(super) fn hand_over(&mut self, to_the_host: bool) {
         if to_the_host {
             self.now.hand_over();
@@ -68,7 +69,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Whether the host may set this variable to that value now.
+    /// Checks that the host may set this variable to that value now.
     fn settable(&self, variable: &'static Variable, value: f64) -> Result<(), Refusal> {
         let not = |why| Err(Refusal::NotSettable { name: &variable.name, value, why });
         match (variable.role, variable.variability) {
@@ -95,7 +96,8 @@ impl Instance {
     /// `fmi2GetReal`: every value, or none.
     ///
     /// # Errors
-    /// Unknown or foreign references; outputs before initialization mode, or where the inputs leave the gas no room.
+    /// For unknown references or those of another type; for outputs before initialization mode, or if the inputs leave the gas no
+    /// room.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Refusal> {
         for &reference in references {
             let variable = real(reference)?;
@@ -129,7 +131,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2SetInteger`: a number that no 32 bits hold is out of every variable's range.
+    /// `fmi2SetInteger`: a number beyond 32 bits is out of range for every variable.
     ///
     /// # Errors
     /// As for reals.
@@ -138,7 +140,7 @@ impl Instance {
         self.choose(references, &values, "Integer")
     }
 
-    /// `fmi2SetBoolean`: any number but zero is true.
+    /// `fmi2SetBoolean`: any nonzero number is true.
     ///
     /// # Errors
     /// As for reals.
@@ -197,7 +199,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Getting or setting variables of a type that this FMU has none of.
+    /// Gets or sets variables of a type that this FMU does not have.
     ///
     /// # Errors
     /// Always, unless no reference is given.

@@ -1,8 +1,8 @@
-//! Growing a study: the rows that a smaller study of the same sequence has in its folder are taken from there, the
-//! others are solved. The result is the study made in one go, byte for byte.
+//! Growing a study: the rows of a smaller study of the same sequence are taken from its folder, the others are solved. The result
+//! equals the study made in one run, byte for byte.
 //!
-//! A design grows when its first rows stay what they are: more samples of a Sobol' sequence or more blocks of a Saltelli
-//! design, further values of the first axis of a factorial design, further rows of a table. A Latin hypercube does not.
+//! A design can grow if its first rows stay unchanged: more samples of a Sobol' sequence or more blocks of a Saltelli design,
+//! further values of the first axis of a factorial design, further rows of a table. A Latin hypercube cannot.
 
 mod rows;
 
@@ -31,7 +31,7 @@ const MAY_DIFFER: [&str; 6] = ["name", "samples", "rows", "parts", "vary", "tabl
 pub struct Earlier {
     folder: PathBuf,
     parts: Vec<Part>,
-    /// Parts that are not what their record says: their rows are solved anew.
+    /// Number of parts that do not match their records: their rows are solved again.
     pub damaged: u64,
 }
 
@@ -43,11 +43,11 @@ struct Part {
 }
 
 impl Earlier {
-    /// Looks through the folder of a smaller study, which has not to be finished; each of its parts is read and compared
-    /// with its hash, on the threads of the current pool.
+    /// Examines the folder of a smaller study, which need not be finished; reads each of its parts and compares it with its hash,
+    /// on the threads of the current pool.
     ///
     /// # Errors
-    /// Why the study is none that continues this one.
+    /// Why this study does not continue that one.
     pub fn open(study: &Study, store: &dyn Store) -> Result<Self, Error> {
         let folder = store.place();
         let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
@@ -94,7 +94,7 @@ impl Earlier {
         &self.folder
     }
 
-    /// Whether a part's points are this study's.
+    /// Whether a part's points agree with this study's.
     fn compare(&self, study: &Study, part: &Part) -> Result<(), Error> {
         let names: Vec<&str> = study.varied.iter().map(|varied| varied.column.as_str()).collect();
         let mut at = part.rows.start;
@@ -115,13 +115,13 @@ impl Earlier {
         Ok(())
     }
 
-    /// How many rows of these are there.
+    /// Number of these rows that exist in the folder.
     pub fn count(&self, rows: &Range<u64>) -> u64 {
         let common = |part: &Part| part.rows.end.min(rows.end).saturating_sub(part.rows.start.max(rows.start));
         self.parts.iter().map(common).sum()
     }
 
-    /// Cuts rows into pieces, each from one part of this folder or not there at all.
+    /// Splits rows into pieces, each from one part of this folder or missing from it.
     fn pieces(&self, rows: Range<u64>) -> Vec<(Option<usize>, Range<u64>)> {
         let mut pieces = Vec::new();
         let mut at = rows.start;
@@ -142,7 +142,7 @@ impl Earlier {
     }
 }
 
-/// What a study has to have in common with the one that it continues; the rows of that.
+/// Checks that this study continues the given one, and returns the latter's number of rows.
 fn continues(study: &Study, found: &Value) -> Result<u64, String> {
     let (ours, theirs) = (study.json(), &found["study"]);
     if found["program_version"] != env!("CARGO_PKG_VERSION") {
@@ -177,7 +177,7 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
     theirs["rows"].as_u64().ok_or_else(|| "it does not say how many rows it has".into())
 }
 
-/// In which of its entries a key of the study differs.
+/// Describes the difference in a key of the study, down to the differing entry.
 fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
     let said = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
     let entry = if theirs.is_object() && ours.is_object() { differing(theirs, ours).next() } else { None };

@@ -1,4 +1,4 @@
-//! Rows of a study, read from an earlier study's folder as far as they are there.
+//! Rows of a study, taken from an earlier study's folder where they exist.
 
 use super::Earlier;
 use crate::error::Error;
@@ -14,17 +14,17 @@ use arrow::record_batch::RecordBatch;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
 use std::ops::Range;
 
-/// Rows of a study, taken from the earlier folder as far as they are there, in ascending order.
+/// Rows of a study in ascending order, taken from the earlier folder where they exist.
 pub struct EarlierReader<'a> {
     earlier: &'a Earlier,
     study: &'a Study,
     progress: &'a dyn Progress,
-    /// For rows without results, which tells nobody.
+    /// Solves rows without results again, without reporting progress.
     again: RowSolver<'a>,
     open: Option<Open>,
 }
 
-/// A part that is being read.
+/// The part being read.
 struct Open {
     part: usize,
     next: u64,
@@ -92,7 +92,7 @@ impl<'a> EarlierReader<'a> {
         Ok(taken)
     }
 
-    /// Adds the results of a batch. A row without results is tried again: its reason is a text there.
+    /// Adds the results of a batch. A row without results is solved again, because its reason is stored only as text.
     fn add(&mut self, batch: &RecordBatch, first: u64, taken: &mut Rows) -> Result<(), Error> {
         let begin = taken.statuses.len();
         // The columns of both studies are the same, in the same order.
