@@ -44,7 +44,7 @@ pub struct Args {
     /// Write the rig file to this file, `-` for standard output
     #[arg(short, long, value_name = "RIG.toml")]
     output: Option<PathBuf>,
-    /// Replace a rig file that is there and is not what would be written, such as one that was filled in
+    /// Replace an existing rig file that differs from the one to be written, such as one that was filled in
     #[arg(long, requires = "output")]
     force: bool,
     /// Write the result as JSON to this file, `-` for standard output
