@@ -60,7 +60,8 @@ fn about(model: &Model) -> About {
             "adequate: the residual of the paper's model is noise, or below the accuracy asked for.".to_owned()
         }
         Verdict::Explained => {
-            "explained: with the effects that are on, the residual is noise, or little beside what it was.".to_owned()
+            "explained: with the effects that are on, the residual is noise, or small compared with what it was."
+                .to_owned()
         }
         Verdict::Improved | Verdict::Unexplained => doubt(model).unwrap_or_default().to_owned(),
     });

@@ -158,7 +158,7 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
             let gauge = if column.gauge { " gauge" } else { "" };
             let reversed = if column.sign < 0.0 { " reversed" } else { "" };
             let guessed = match &column.unknown_unit {
-                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is no unit that is read)"),
+                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is not a known unit)"),
                 None if column.unit_guessed => "  (guessed from the values)".to_owned(),
                 None => String::new(),
             };

@@ -117,7 +117,7 @@ fn verdict_text(d: &Diagnosis) -> String {
             }
         ),
         Verdict::Explained => format!(
-            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little beside what there was.",
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little compared with what there was.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),
