@@ -44,7 +44,7 @@ pub fn doubt(model: &Model) -> Option<&'static str> {
     match model.provenance.verdict? {
         Verdict::Adequate | Verdict::Explained => None,
         Verdict::Improved => Some(
-            "The verdict of the model is `improved`: its effects describe the records and need not be the cause, mostly because the residual is more than noise.",
+            "The verdict of the model is `improved`: its effects describe the records and need not be the cause, in most cases because the residual is more than noise.",
         ),
         Verdict::Unexplained => Some(
             "The verdict of the model is `unexplained`: the residual of the paper's model is more than noise, and no known effect predicts left-out data decisively better.",
@@ -60,7 +60,8 @@ fn about(model: &Model) -> About {
             "adequate: the residual of the paper's model is noise, or below the accuracy asked for.".to_owned()
         }
         Verdict::Explained => {
-            "explained: with the effects that are on, the residual is noise, or little beside what it was.".to_owned()
+            "explained: with the effects that are on, the residual is noise, or small compared with what it was."
+                .to_owned()
         }
         Verdict::Improved | Verdict::Unexplained => doubt(model).unwrap_or_default().to_owned(),
     });

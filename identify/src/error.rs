@@ -41,7 +41,7 @@ pub enum Error {
         units: Vec<&'static str>,
     },
     /// Positions that no cylinder of this bore has.
-    #[error("{}: positions reach {} m, {:.0} times the bore of {} mm, and a cylinder's stroke ends at a hundred bores; check the unit of the position column{} and the bore; for a rodless cylinder as long as that say stroke_m in [cylinder]",
+    #[error("{}: positions reach {} m, {:.0} times the bore of {} mm, and a cylinder's stroke ends at a hundred bores; check the unit of the position column{} and the bore; for a rodless cylinder of that length, set stroke_m in [cylinder]",
         trace.display(), report::digits(*reach_m, 3), reach_m / bore_m, report::digits(1e3 * bore_m, 3), likely(units).unwrap_or_else(|| " (m, mm, cm, in)".to_owned()))]
     ImplausibleStroke {
         /// File of the trace.
@@ -54,7 +54,7 @@ pub enum Error {
         units: Vec<&'static str>,
     },
     /// Absolute pressures in another unit than declared.
-    #[error("{}; if the unit is right, say scale = 1.0 in that column, and its values are taken as they are", doubt.sentence())]
+    #[error("{}; if the unit is right, set scale = 1.0 for that column, and its values are used as they are", doubt.sentence())]
     OtherPressureUnit {
         /// The evidence for it.
         doubt: Doubt,
@@ -93,7 +93,7 @@ pub enum Error {
         noise_m: f64,
     },
     /// The pressure does not respond to the move.
-    #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; is the column the right one, its unit right{}, the chamber closed, the sensor alive?",
+    #[error("{}: the pressure stays within {range_pa:.1} Pa while the piston moves {:.1} mm; check that this is the right column, that its unit is right{}, that the chamber is closed and that the sensor works",
         trace.display(), stroke_m * 1e3, likely(units).unwrap_or_default())]
     ConstantPressure {
         /// File of the trace.
@@ -106,7 +106,7 @@ pub enum Error {
         units: Vec<&'static str>,
     },
     /// The sensor is at the end of its range.
-    #[error("{}: the pressure sensor is saturated: {rows} rows in a row, from t = {from_s:.3} s on, read exactly {value_pa:.1} Pa, the record's {}; record the test with a sensor of a larger range",
+    #[error("{}: the pressure sensor is saturated: {rows} consecutive rows, from t = {from_s:.3} s on, read exactly {value_pa:.1} Pa, the record's {}; record the test with a sensor of a larger range",
         trace.display(), if *high { "largest" } else { "smallest" })]
     Saturated {
         /// File of the trace.
@@ -122,7 +122,7 @@ pub enum Error {
     },
     /// Gauge pressures in another unit than declared.
     #[error(
-        "the pressures seem to be gauge pressures in {unit}, not in {declared}: so read they leave {:.0} % of what model and records differ by; say unit = \"{unit}\" for the pressure column",
+        "the pressures seem to be gauge pressures in {unit}, not in {declared}: read in that way they leave {:.0} % of the misfit beyond noise; set unit = \"{unit}\" for the pressure column",
         100.0 * share_left
     )]
     GaugeUnit {
@@ -197,13 +197,20 @@ pub enum Error {
         source: chamber::integrate::IntegrationError,
     },
     /// Records that end with their first move.
-    #[error("{}: no row is left to compare: every record ends with its first move, up to which its own parameters are fitted; record a hold behind it, or say --whole-record", rig.display())]
+    #[error("{}: no row is left to compare: every record ends with its first move, up to which its own parameters are fitted; record a hold after it, or use --whole-record", rig.display())]
     NothingToCompare {
         /// The rig file.
         rig: PathBuf,
     },
+<<<<<<< 
     /// No record can be evaluated by the paper's steps.
     #[error("no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold")]
+=======
+    /// Records none of which the paper's steps can evaluate.
+    #[error(
+        "no trace can be evaluated by the published steps{first}; use `--method exact`, which does not need a single push and hold"
+    )]
+>>>>>>> 
     NoPushAndHold {
         /// The first of them and the reason, in brackets after a space; or empty.
         first: String,

@@ -108,7 +108,7 @@ fn check_covariance(rows: &[Vec<f64>], parameters: &[&str]) -> Result<(), String
             let limit = row[i].sqrt() * rows[j][j].sqrt();
             let pair = format!("`{}` and `{}`", parameters[j], parameters[i]);
             if (value - rows[j][i]).abs() > ROUNDING * limit {
-                return Err(format!("the covariance of {pair} stands there twice with different values"));
+                return Err(format!("the covariance of {pair} is given twice with different values"));
             }
             if value.abs() > (1.0 + ROUNDING) * limit {
                 return Err(format!("the covariance of {pair}, {value:?}, is beyond what their variances allow"));

@@ -115,7 +115,7 @@ fn a_refusal_says_that_there_is_no_rig_file_yet() {
         .unwrap();
     let message = Look::at(&path, &Names::default()).unwrap_err().to_string();
     assert!(message.contains("cannot be an absolute pressure"), "{message}");
-    assert!(message.ends_with("there is no rig file yet: write one by hand that says so)"), "{message}");
+    assert!(message.ends_with("there is no rig file yet: write one by hand that states how to read it)"), "{message}");
     let names = Names { pressure: Some("p (bar ab)".to_owned()), ..Names::default() };
     let message = Look::at(&path, &names).unwrap_err().to_string();
     assert!(message.contains("did you mean `p (bar abs)`?") && !message.contains("rig"), "{message}");
@@ -310,7 +310,7 @@ fn a_unit_in_the_name_is_taken_in_every_spelling_and_an_unknown_one_is_told() {
     let text = table("time_s,Pressure (dyn/mm2),position_m", |t, p, x| format!("{t},{},{x}", p * 1e-5));
     let (_folder, _, look, _) = looked_at("p.csv", text.as_bytes());
     let rig = rig_file(&look, &UserInput::default());
-    assert!(rig.contains("CHECK the unit: `dyn/mm2` is none that is read; guessed from the values"), "{rig}");
+    assert!(rig.contains("CHECK the unit: `dyn/mm2` is not a known unit; guessed from the values"), "{rig}");
 }
 
 #[test]

@@ -24,7 +24,7 @@ The verdict:
   explained    with the named effects the residual is noise, or under 2 % of that without them,
                or under 10 % and below the accuracy asked for
   improved     named effects or a curve predict left-out data decisively better, but need not be the
-               cause: mostly because the residual is more than noise
+               cause, in most cases because the residual is more than noise
   unexplained  no known effect predicts left-out data decisively better")]
 pub struct Args {
     /// The rig file, or the folder that holds its rig.toml

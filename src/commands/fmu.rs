@@ -19,7 +19,7 @@ Example:
 Every FMU contains a push and hold with the result of the model, as a reference experiment (FMI-LS-REF). With --validation it \
 contains the records of that rig too: the recorded stroke, from which a position_delay or position_averaging of the model is \
 taken, the start values, the measured pressure and the error of the model, all as `pneutherm simulate` computes them. \
-Readings far off are left out and named, as `pneutherm validate` does.
+Readings far off are left out and named, as by `pneutherm validate`.
 
 The importing tool can change every start value. The generation date in the FMU is SOURCE_DATE_EPOCH, or else the date of the \
 model, so that the same model gives the same bytes.")]

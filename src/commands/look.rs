@@ -44,7 +44,7 @@ pub struct Args {
     /// Write the rig file to this file, `-` for standard output
     #[arg(short, long, value_name = "RIG.toml")]
     output: Option<PathBuf>,
-    /// Replace a rig file that is there and is not what would be written, such as one that was filled in
+    /// Replace an existing rig file that differs from the one to be written, such as one that was filled in
     #[arg(long, requires = "output")]
     force: bool,
     /// Write the result as JSON to this file, `-` for standard output
@@ -158,7 +158,7 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
             let gauge = if column.gauge { " gauge" } else { "" };
             let reversed = if column.sign < 0.0 { " reversed" } else { "" };
             let guessed = match &column.unknown_unit {
-                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is no unit that is read)"),
+                Some(unknown) => format!("  (guessed from the values, as `{unknown}` is not a known unit)"),
                 None if column.unit_guessed => "  (guessed from the values)".to_owned(),
                 None => String::new(),
             };

@@ -15,7 +15,7 @@ The output has one row per row of the motion: time_s, pressure_pa (what the sens
 temperature_k, mass_kg, volume_m3, heat_flow_w (into the gas). With --samples each column but time_s has two more, the ends of \
 its band: pressure_low_pa, pressure_high_pa and so on. The gas starts at the temperature of the wall at rest, which is ambient \
 unless the model has a warm_wall. Positions are linear between rows; where they scatter at rest, the piston is held there and \
-moves along smooth curves through the rows, as `identify` has it, unless --raw-positions is given. The initial pressure is chosen so that the simulated mean before the first movement equals that of the motion's pressure column.
+moves along smooth curves through the rows, as in `identify`, unless --raw-positions is given. The initial pressure is chosen so that the simulated mean before the first movement equals that of the motion's pressure column.
 
 Example:
   pneutherm simulate model.toml --motion validation.csv -o simulated.csv

@@ -16,12 +16,12 @@ Example:
   pneutherm validate model.toml other-day/rig.toml
   pneutherm validate model.toml other-day --whole-record --json validation.json --report validation.html
 
-Each record has its own initial pressure, delay, gauge offset and averaging of the position, and its own ambient temperature if \
-there are others and it does not show that. If the model has a delay of the position, or each of the records that it was identified \
-from had its own, each record has that too; and its own initial temperature if it begins in motion or those records had theirs. \
-These are fitted to its rest and first move, and the rest of the record is predicted and compared. With --whole-record they are \
-fitted to the whole record, and the whole record is compared; each record then has its own drift too, if the model has one or \
-those records had theirs. \
+Each record has its own initial pressure, delay, gauge offset and averaging of the position. It has its own ambient temperature if \
+there are other records and it does not contain that temperature, and its own initial temperature if it begins in motion or the \
+records of the identification had theirs. It has its own delay of the position if the model has one or those records had theirs. \
+These parameters are fitted to the record's rest and first move, and the rest of the record is predicted and compared. With \
+--whole-record they are fitted to the whole record, and the whole record is compared; each record then has its own drift too, if \
+the model has one or those records had theirs. \
 Everything else is taken from the model. Pressures are in Pa.")]
 pub struct Args {
     /// The model file

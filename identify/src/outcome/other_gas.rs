@@ -31,7 +31,7 @@ pub fn sentence(data: &Data, found: &Found) -> Option<String> {
         let of_ratio = Gas::NAMED.iter().filter(|(_, other)| are_alike(other.heat_capacity_ratio, ratio));
         let names: Vec<&str> = of_ratio.map(|(name, _)| *name).collect();
         return Some(format!(
-            "with the heat capacity ratio {ratio} of {} in the place of {stated} the paper's model alone leaves {} of {} Pa: state the gas that is in the chamber, as in [gas] name = \"{}\"",
+            "with the heat capacity ratio {ratio} of {} instead of {stated} the paper's model alone leaves {} of {} Pa: state the gas that is in the chamber, as in [gas] name = \"{}\"",
             listed(&names),
             digits(left_pa, 2),
             digits(before_pa, 3),

@@ -120,7 +120,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out.extend(data.unit_doubt.iter().map(Doubt::sentence));
     if let Some(jitter_s) = data.clock_jitter_s() {
         out.push(format!(
-            "the rows were read unevenly, up to {} ms (rms) before or after their times in the file. Positions and pressures show it alike while the piston moves; there the rows have the times that the positions tell",
+            "the rows were read unevenly, up to {} ms (rms) before or after their times in the file. Positions and pressures agree on this while the piston moves; the times of these rows are corrected to match the positions",
             digits(jitter_s * 1e3, 2)
         ));
     }
@@ -144,7 +144,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
             "the pressure is read at {:.3} Hz and the rows in between {}: only the readings count{} ({} of {} records)",
             t.readout.readings.rate_hz(t.row_s()).unwrap_or(0.0),
             t.readout.readings.between().words(),
-            t.readout.readings.by_own_clock().map_or("", |_| ", each when it was taken"),
+            t.readout.readings.by_own_clock().map_or("", |_| ", each at the time it was taken"),
             slow.len(),
             data.traces.len()
         ));
@@ -157,14 +157,14 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
     if let Some(open) = between_rows.map(open).reduce(f64::max) {
         out.push(format!(
-            "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they count less",
+            "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they get less weight",
             digits(open, 2)
         ));
     }
     let open = averaged.clone().map(open).fold(0.0, f64::max);
     if let Some(window_s) = averaged.map(|t| t.look.window_s).reduce(f64::max) {
         out.push(format!(
-            "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and count less",
+            "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and get less weight",
             digits(window_s, 2),
             digits(open, 2)
         ));
@@ -203,7 +203,7 @@ fn before_test(data: &Data) -> Option<String> {
         Some(format!(": {rows} rows, {time_s:.2} s"))
     })?;
     Some(format!(
-        "the pressure changes fast while the piston rests, and then no more before the first move, as while a port is still open or a filter settles that began at zero; the rows up to there are left out ({records})"
+        "the pressure changes fast at the start of the rest and stops doing so before the first move, as if a port was still open or a filter that began at zero was settling; the rows up to there are left out ({records})"
     ))
 }
 
@@ -211,13 +211,13 @@ fn before_test(data: &Data) -> Option<String> {
 fn opened(data: &Data) -> Option<String> {
     let records = records_from(data, |t| t.readout.opened.as_ref())?;
     Some(format!(
-        "the pressure leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({records})"
+        "the pressure suddenly leaves its course while the piston is held, as if the port was opened; the rows from there to the end are left out ({records})"
     ))
 }
 
 /// Notes on records unlike their repeats, or unlike all others, and from where on.
 fn unlike_others(data: &Data) -> Vec<String> {
-    const CAUSES: &str = "as where a reading stands still for a while, a gauge's zero steps, a position is clipped or the port is opened; the rows from the first move on are left out";
+    const CAUSES: &str = "as if a reading was frozen for a while, the zero of the gauge jumped, a position was clipped or the port was opened; the rows from the first move on are left out";
     let told = |has_repeats: bool, what: &str, meaning: &str| {
         let is_one = |t: &Prepared| has_repeats != repeats::of(data, t.experiment).is_empty();
         let records = records_from(data, |t| t.readout.unlike_others.as_ref().filter(|_| is_one(t)))?;
@@ -231,7 +231,7 @@ fn unlike_others(data: &Data) -> Vec<String> {
     let of_one = told(
         false,
         "the model that describes the other records errs here by far more than noise",
-        ", and effects are not said to explain the others, as no repeat tells whether one of the rig's is seen here alone",
+        ", and the verdict is not `explained`, because without a repeat an effect of the rig may show in this record alone",
     );
     of_repeats.into_iter().chain(of_one).collect()
 }
@@ -285,9 +285,9 @@ fn positions(data: &Data) -> Vec<String> {
     if let Some(first) = disturbed.first() {
         let count: usize = disturbed.iter().map(|t| t.positions.outliers.len()).sum();
         let what = match (count, disturbed.len(), data.traces.len()) {
-            (1, ..) => "one position stands out of those around it and is left out".to_owned(),
+            (1, ..) => "one position differs too much from those around it and is left out".to_owned(),
             (count, records, all) => format!(
-                "{count} positions in {records} of {all} records stand out of those around them and are left out"
+                "{count} positions in {records} of {all} records differ too much from those around them and are left out"
             ),
         };
         let named = far_off::named(&first.positions.outliers, &first.lines, &first.time_s);
@@ -305,7 +305,7 @@ fn positions(data: &Data) -> Vec<String> {
         let unfollowed: usize = slow.iter().map(|t| t.readout.unfollowed.len()).sum();
         if unfollowed > 0 {
             out.push(format!(
-                "{unfollowed} of the moves are over within so few readings of the position that these do not show their course: the pressures in them are left out"
+                "{unfollowed} of the moves contain too few readings of the position to show their course: the pressures in them are left out"
             ));
         }
     }
@@ -321,7 +321,7 @@ fn noise_of_positions(data: &Data) -> Option<String> {
     (is_plain && open_pa > MUCH * data.noise.total_pa()).then(|| {
         let noise_m = data.traces.iter().map(|t| t.course.motion.noise_m).fold(0.0, f64::max);
         format!(
-            "the positions scatter by up to {} µm, which leaves the pressures of moves uncertain by {} Pa rms: they count less, and an error of that size there is noise",
+            "the positions scatter by up to {} µm, which leaves the pressures of moves uncertain by {} Pa rms: they get less weight, and an error of that size counts as noise there",
             digits(1e6 * noise_m, 2),
             digits(open_pa, 2)
         )
@@ -378,7 +378,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         let wall = Some(own_start).filter(|start| *start == OwnStart::GasAndWall).and_then(OwnStart::term);
         let names: Vec<&str> = own.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
         out.push(format!(
-            "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",
+            "{} of the records: equal in the repeats of each test, but different from test to test, so that a property of the rig must be the cause",
             listed(&names)
         ));
     }
@@ -394,7 +394,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
         out.push(format!("{} is nearly at the limit of its effect: something else is the likely cause", number.name()));
     }
     if !found.chosen.fit.converged {
-        out.push("the last fit did not converge: take its numbers with care".to_owned());
+        out.push("the last fit did not converge: treat its numbers with care".to_owned());
     }
     out
 }
@@ -425,7 +425,7 @@ fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     (warmer_k.len() > 2 && mean.abs() > DEVIATIONS * (variance / count).sqrt()).then(|| {
         let (how, other) = if mean < 0.0 { ("colder", "warmer") } else { ("warmer", "colder") };
         format!(
-            "in the mean of the records the gas begins {:.1} K {how} than the wall. It may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings; pressures alone do not tell which (lambda0 is proportional to the power 1.5 of the wall's temperature)",
+            "on average over the records the gas begins {:.1} K {how} than the wall. It may not have reached the wall's temperature before they begin, or the wall is {other} than the stated surroundings; pressures alone do not tell which (lambda0 is proportional to the power 1.5 of the wall's temperature)",
             mean.abs()
         )
     })

@@ -27,7 +27,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
         return "on records left out whole it errs much more than on those it is fitted to".to_owned();
     }
     if found.follows_the_test {
-        return "what each record has for itself differs from test to test".to_owned();
+        return "the records' own parameters differ from test to test".to_owned();
     }
     let fit = &found.reported().fit;
     if fit.needs_other_surroundings() {

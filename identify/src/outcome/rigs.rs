@@ -64,7 +64,7 @@ pub fn apart(data: &Data, rms_pa: f64, needed: Overlap) -> Option<String> {
         )
     };
     Some(format!(
-        "{} do not fit the other {} records. Fitted apart, the paper's model errs by {} instead of {} Pa rms, with {} for these and {} for the others. Are they of another rig?",
+        "{} do not fit the other {} records. Fitted separately, the paper's model errs by {} instead of {} Pa rms, with {} for these and {} for the others. Are they of another rig?",
         few.iter().map(name).collect::<Vec<_>>().join(", "),
         many.len(),
         digits(left_pa, 3),

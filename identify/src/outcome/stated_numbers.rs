@@ -28,7 +28,7 @@ pub fn moved_gas(data: &Data) -> Option<String> {
     let stated = ratio / (1.0 + moved * data.tolerance.heat_capacity_ratio);
     (moved != 0.0).then(|| {
         format!(
-            "the records ask for a heat capacity ratio of {ratio:.4} instead of {stated:.4} as the rig file has it, {:.1} times its tolerance: all numbers are given for that one",
+            "the records ask for a heat capacity ratio of {ratio:.4} instead of the {stated:.4} of the rig file, which is {:.1} times its tolerance away: all numbers are given for {ratio:.4}",
             moved.abs()
         )
     })
@@ -40,7 +40,7 @@ pub fn moved_zero(data: &Data) -> Option<String> {
     let millimetres = 1e3 * data.zero_moved * data.tolerance.position_offset_m;
     (data.zero_moved != 0.0).then(|| {
         format!(
-            "the records ask for positions {:.2} mm {} than recorded, {:.1} times the tolerance of their zero: all numbers are given for those, and the known dead volume with the difference in it",
+            "the records ask for positions {:.2} mm {} than recorded, {:.1} times the tolerance of their zero: all numbers are given for these positions, and the known dead volume includes the difference",
             millimetres.abs(),
             if millimetres < 0.0 { "smaller" } else { "larger" },
             data.zero_moved.abs()
@@ -57,7 +57,7 @@ pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
     let is_open = (TOLERANCES..MOST).contains(&tolerances) && are_squares_of_noise(data, paper, squares);
     is_open.then(|| {
         format!(
-            "positions that lie {} % of their way off a straight line would account for the records without any effect: check the position sensor's linearity, and state position_linearity if it may be so much",
+            "a position sensor whose readings deviate from a straight line by {} % of their range would account for the records without any effect: check its linearity, and state position_linearity if it can be that much",
             digits(100.0 * tolerances * data.tolerance.position_linearity, 1)
         )
     })

@@ -142,7 +142,7 @@ pub fn validate(model: &Predictor, rig: &Rig, whole_record: bool) -> Result<Vali
 fn uncompared(data: &Data, whole_record: bool) -> Option<String> {
     let has_gap = |t: &Prepared| gaps::of(&t.course.motion).next().is_some();
     (!whole_record && data.traces.iter().any(has_gap)).then(|| {
-        "what is behind a record's first gap is not compared: how warm the gas comes out of it cannot be predicted (`--whole-record` fits that too)".to_owned()
+        "the rows after a record's first gap are not compared: the temperature of the gas at the end of the gap cannot be predicted (`--whole-record` fits that too)".to_owned()
     })
 }
 
@@ -156,7 +156,7 @@ fn warm_start(data: &Data, model: &Predictor, whole_record: bool, rmse_pa: f64) 
     let warm = Compared::of(data, &Predictor { of_each_record, ..*model }, whole_record)?;
     Ok(warm.rmse_pa().filter(|warm_pa| *warm_pa < BY_WARMTH * rmse_pa).map(|warm_pa| {
         format!(
-            "with initial temperatures of their own the records differ from the model by {} Pa rms: gas or wall had not reached the temperature of the surroundings when they begin",
+            "with an initial temperature fitted to each record the model errs by {} Pa rms: gas or wall had not reached the temperature of the surroundings when the records began",
             digits(warm_pa, 3)
         )
     }))

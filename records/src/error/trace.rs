@@ -73,7 +73,7 @@ pub enum TraceProblem {
     ExcelDays { column: String, from: f64, to: f64 },
     /// An error that refers to a rig file when there is none yet.
     #[error(
-        "{problem} (`look` finds no other way to read the file, and there is no rig file yet: write one by hand that says so)"
+        "{problem} (`look` finds no other way to read the file, and there is no rig file yet: write one by hand that states how to read it)"
     )]
     WithoutRig { problem: Box<TraceProblem> },
     /// Too few rows to be a record.
@@ -95,7 +95,7 @@ pub enum TraceProblem {
     CoarseTimes { column: String, rows: usize, times: usize, step_s: f64 },
     /// A clock that restarts.
     #[error(
-        "line {line}, column `{column}`: the time restarts at {} s after {} s; put each record into a file of its own, or mend the times if the clock was set back",
+        "line {line}, column `{column}`: the time restarts at {} s after {} s; put each record into a file of its own, or correct the times if the clock was set back",
         seconds(*value), seconds(*before)
     )]
     TimeRestarts { line: usize, column: String, value: f64, before: f64 },

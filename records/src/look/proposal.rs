@@ -91,7 +91,7 @@ fn write_column(out: &mut String, column: &Guessed) -> std::fmt::Result {
     } else if let Some(unknown) = &column.unknown_unit {
         // A comment ends at the end of its line.
         let unknown = unknown.replace(char::is_control, " ");
-        remarks.push(format!("CHECK the unit: `{unknown}` is none that is read; guessed from the values").into());
+        remarks.push(format!("CHECK the unit: `{unknown}` is not a known unit; guessed from the values").into());
     } else if column.unit_guessed {
         remarks.push("CHECK the unit: guessed from the values".into());
     }

@@ -17,7 +17,7 @@ pub fn verify(folder: &Path) -> anyhow::Result<()> {
         let others =
             if report.foreign.len() > 1 { format!(" and {} more", report.foreign.len() - 1) } else { String::new() };
         bail!(
-            "{}: {first}{others}: not named in manifest.json; readers take that folder whole, so move it elsewhere",
+            "{}: {first}{others}: not named in manifest.json; readers read every file of that folder, so move it elsewhere",
             folder.display()
         );
     }
@@ -65,7 +65,7 @@ fn verified_summary(folder: &Path, report: &Report) -> String {
     if !not_covered.is_empty() {
         let _ = writeln!(
             text,
-            "not named in manifest.json, so not compared: {}; run the study again, for traces with --traces, to have them named",
+            "not named in manifest.json, so not compared: {}; to have them named, run the study again (for traces with --traces)",
             not_covered.join(", ")
         );
     }

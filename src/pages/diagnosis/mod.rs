@@ -87,8 +87,8 @@ fn verdict(d: &Diagnosis) -> Section {
     );
     if d.is_error_of_moves() {
         section.note(
-            "Weighed: of each row's square the share counts that noise has in the error expected of it. In fast moves the positions leave the \
-             pressures uncertain, and these rows count less.",
+            "Weighed: the square of each row counts with the share that noise has in the error expected there. In fast moves the positions leave \
+             the pressures uncertain, and these rows get less weight.",
         );
     }
     if !d.probabilities.is_empty() {
@@ -117,7 +117,7 @@ fn verdict_text(d: &Diagnosis) -> String {
             }
         ),
         Verdict::Explained => format!(
-            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little beside what there was.",
+            "**Explained.** The paper's chamber model does not describe these records. It lacks {} ({}). With that, what remains is noise, or little compared with what there was.",
             effect_names(&d.effects),
             documented(&d.effects)
         ),

@@ -80,7 +80,9 @@ impl Earlier {
         }
         if rows > study.rows {
             let ours = study.rows;
-            return Err(refuse(format!("it has {rows} rows, this study only {ours}: a study grows by further rows")));
+            return Err(refuse(format!(
+                "it has {rows} rows, this study only {ours}: a study can only be extended to more rows"
+            )));
         }
         let earlier = Self { folder: folder.to_owned(), parts, damaged };
         if matches!(study.design, Design::Factorial(_) | Design::Table(_)) {
@@ -156,7 +158,7 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
         && theirs["samples"] != ours["samples"]
     {
         return Err(
-            "a Latin hypercube of more samples has other rows from the first on; design = \"sobol\" grows".into()
+            "a Latin hypercube of more samples has other rows from the first one on; design = \"sobol\" can be extended".into()
         );
     }
     let keys = |value: &Value| value.as_object().map_or(Vec::new(), |map| map.keys().cloned().collect());
