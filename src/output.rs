@@ -87,9 +87,9 @@ pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     out.write_all(bytes).and_then(|()| out.flush()).context("standard output cannot be written")
 }
 
-/// A line about the model's effects left out in this use, if any.
-pub fn left_out(effects: EffectSet) -> Option<String> {
-    let names: Vec<&str> = effects::all().filter(|(place, _)| effects.has(*place)).map(|(_, card)| card.name).collect();
+/// A line about the effects of the model that this use excludes, if any.
+pub fn excluded_effects(effects: EffectSet) -> Option<String> {
+    let names: Vec<&str> = effects::all().filter(|(index, _)| effects.has(*index)).map(|(_, card)| card.name).collect();
     let reason = "it belongs to a recorded stroke, and here the stroke is exact";
     (!names.is_empty()).then(|| format!("left out of the model: {} ({reason})\n", names.join(", ")))
 }

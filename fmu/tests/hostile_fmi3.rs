@@ -10,7 +10,7 @@ mod draws;
 use draws::{cases, change_of_state, equipment, length, number, orderly, step};
 use fmu::boundary::CEnum;
 use fmu::fmi3::abi::*;
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::states::ALL;
 use fmu::start_values::REFERENCE_GUID;
 use fmu::table::table;
@@ -220,7 +220,7 @@ enum Call {
 }
 
 fn reference() -> impl Strategy<Value = u32> {
-    draws::reference(1 + CORNERS as u32)
+    draws::reference(1 + EVENT_INDICATORS as u32)
 }
 
 /// One value more than references, in one case of twenty.
@@ -288,7 +288,7 @@ fn exchange() -> impl Strategy<Value = Call> {
         4 => prop_oneof![5 => 0.0..2.0f64, 1 => number()].prop_map(Call::Time),
         5 => (change_of_state(), length(ALL)).prop_map(|((shift, by), length)| Call::States { shift, by, length }),
         4 => (length(ALL), draws::null()).prop_map(|(length, null)| Call::Rates { length, null }),
-        3 => length(CORNERS).prop_map(Call::Indicators),
+        3 => length(EVENT_INDICATORS).prop_map(Call::Indicators),
         1 => draws::null().prop_map(|null| Call::Numbers { null }),
     ]
 }

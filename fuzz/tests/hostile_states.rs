@@ -5,7 +5,7 @@
 #[path = "../../fmu/tests/common/memory.rs"]
 mod memory;
 
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::simulation::Kind;
 use fmu::plant::states::ALL;
 use fmu::plant::values::Starts;
@@ -104,7 +104,7 @@ fn go_on(instance: &mut Instance) {
         let time = instance.time();
         let _ = instance.do_step(time, h);
         let _ = integrate(instance, time + h);
-        let _ = instance.event_indicators(&mut [0.0; CORNERS]);
+        let _ = instance.event_indicators(&mut [0.0; EVENT_INDICATORS]);
         if instance.get_real(&every, &mut values).is_ok() {
             assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
         }

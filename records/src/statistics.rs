@@ -15,18 +15,18 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 /// Standard deviation of white noise on a signal, from second differences.
 pub(crate) fn white_noise(values: &[f64]) -> f64 {
-    noise_of_bends(bends(values).collect())
+    noise_of_second_differences(second_differences(values).collect())
 }
 
 /// Absolute second differences of a signal, which are zero for steady change.
-pub fn bends(values: &[f64]) -> impl Iterator<Item = f64> {
+pub fn second_differences(values: &[f64]) -> impl Iterator<Item = f64> {
     values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs())
 }
 
 /// Standard deviation of white noise with absolute second differences of these sizes; 0 for none. Based on their median, so that
 /// a few large ones have no influence. The variance of a second difference is 1 + 4 + 1 times that of the values.
-pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
-    DEVIATION_OF_MEDIAN * median(bends) / 6.0_f64.sqrt()
+pub fn noise_of_second_differences(second_differences: Vec<f64>) -> f64 {
+    DEVIATION_OF_MEDIAN * median(second_differences) / 6.0_f64.sqrt()
 }
 
 /// Fraction of the changes between values whose sign differs from that of the previous change: two thirds for noise, zero for

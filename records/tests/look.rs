@@ -230,7 +230,7 @@ fn blanks_under_a_commented_header_with_empty_cells_and_repeated_times() {
     let last = text.lines().last().unwrap().to_owned();
     text += &format!("{last}\n    5.190   -  100.0\n");
     let trace = assert_is_the_example("blanks.dat", text.as_bytes());
-    assert_eq!(trace.left_out.len(), 2);
+    assert_eq!(trace.dropped_rows.len(), 2);
 }
 
 #[test]
@@ -286,7 +286,7 @@ fn readings_far_off_tell_neither_where_pressures_count_from_nor_their_unit() {
             let pressure = look.guess.of(Quantity::Pressure).unwrap();
             assert!(!pressure.gauge, "{marker} in {name}");
             assert_eq!(pressure.unit.factor * unit, 1e5, "{marker} in {name}");
-            assert!(marker == "1e9" || trace.left_out.len() == 1, "{marker} in {name}");
+            assert!(marker == "1e9" || trace.dropped_rows.len() == 1, "{marker} in {name}");
         }
     }
 }

@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let model_file = Document::read_as(Kind::Model, &args.model)?;
     let whole = Model::from_document(&model_file)?;
     let mut model = whole.clone();
-    let left_out = model.leave_out_recorded_stroke();
+    let excluded = model.exclude_recorded_stroke_effects();
     for place in 0..chamber::effects::COUNT {
         fmu::table::effects::exported(place, model.chamber.effects.of(place))
             .map_err(|reason| anyhow::anyhow!("{}: the FMU cannot be made: {reason}", args.model.display()))?;
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         for validation in &validations {
             output::print(format!("reference experiment {}\n", validation.summary()).as_bytes())?;
         }
-        if let Some(note) = output::left_out(left_out) {
+        if let Some(note) = output::excluded_effects(excluded) {
             output::print(note.as_bytes())?;
         }
         if let Some(doubt) = doubt(&model) {

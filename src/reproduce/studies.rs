@@ -99,7 +99,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured), DIGITS));
     let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
     if law == Law::Column {
-        chamber.effects.of_mut(GasColumnLength::PLACE).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
+        chamber.effects.of_mut(GasColumnLength::INDEX).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
     }
     Ok(Model {
         gas_name: Some("air".to_owned()),

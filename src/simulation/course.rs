@@ -93,7 +93,7 @@ impl<'a> Course<'a> {
         let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
         if let Some(pressure) = self.initial_pressure_pa {
             if !PRESSURE_PA.allow(pressure) {
-                bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.words());
+                bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.description());
             }
             return Ok(at(pressure));
         }

@@ -163,8 +163,8 @@ mod tests {
         let [step, ramp] = errors(0.12, 10_800.0);
         assert!(step < 1e-2 && ramp < 1e-2, "{step} {ramp}");
         assert!(errors(0.03, 0.12)[0] < 0.03);
-        let behind = |t: f64| 1.0 - warming(t)[0] / (2.0 * (t / PI).sqrt());
-        assert!((behind(0.02) - 0.10).abs() < 0.005 && (behind(0.01) - 0.27).abs() < 0.01);
+        let difference = |t: f64| 1.0 - warming(t)[0] / (2.0 * (t / PI).sqrt());
+        assert!((difference(0.02) - 0.10).abs() < 0.005 && (difference(0.01) - 0.27).abs() < 0.01);
     }
 
     #[test]

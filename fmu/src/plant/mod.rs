@@ -12,12 +12,12 @@
 //! | [`tangent`] | the equations along a direction |
 //! | [`derivatives`] | exact directional and time derivatives of a simulation |
 //! | [`step`] | one communication step with internal integration |
-//! | [`corners`] | corners of the equations: event indicators |
+//! | [`event_indicators`] | event indicators: functions that change sign at the kinks of the equations |
 //! | [`history`] | past sensor readings, for a delayed record |
 //! | [`simulation`] | a running simulation of either kind |
 
-pub mod corners;
 pub mod derivatives;
+pub mod event_indicators;
 pub mod fault;
 pub mod history;
 pub mod inputs;

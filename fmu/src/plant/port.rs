@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_port_is_the_leak_of_the_same_conductance() {
         let mut chamber = super::super::values::Starts::default().parameters.chamber();
-        let leak = Leakage::PLACE;
+        let leak = Leakage::INDEX;
         chamber.effects.of_mut(leak).copy_from_slice(&[1e-9, 0.3]);
         for pressure in [0.2e5, 0.9e5, 0.9999e5, 1.0001e5, 1.1e5, 2e5, 7e5] {
             let boundary = Boundary::closed(0.1, 293.15, 1e5);

@@ -1,6 +1,6 @@
 //! A running simulation of either kind: integrated here between communication points, or by the host, which sets time and states.
 
-use super::corners::{self, CORNERS, Piston, Rest, Sides};
+use super::event_indicators::{self, EVENT_INDICATORS, Piston, Rest, Sides};
 use super::fault::Fault;
 use super::history::{self, Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
@@ -78,7 +78,7 @@ pub struct Simulation {
     pub absolute: [f64; STATES],
     /// Past sensor readings, if the record is delayed.
     pub record: Option<Record>,
-    /// Sides of the corners at the last event.
+    /// Sides of the kinks at the last event.
     pub sides: Sides,
     /// The host's last completed step of Model Exchange.
     pub completed: Completed,
@@ -400,8 +400,8 @@ impl Simulation {
         Some(record.at(then))
     }
 
-    /// Values of the corner functions at present.
-    fn corners(&self) -> Result<[f64; CORNERS], Fault> {
+    /// Present values of [`event_indicators::kink_indicators`].
+    fn kink_indicators(&self) -> Result<[f64; EVENT_INDICATORS], Fault> {
         let u = self.here();
         let moment = self.moment(&u);
         let states = match self.started {
@@ -411,23 +411,23 @@ impl Simulation {
                 states::initial(&self.parameters, &self.plant.balance.chamber, &moment.boundary)
             }
         };
-        Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
+        Ok(event_indicators::kink_indicators(&moment, &u, &states, &self.piston(), self.sides.rest))
     }
 
-    /// The side of each corner that the chamber is on; `None` where it rests at one, since leaving it is no event.
+    /// The side of each kink that the chamber is on; `None` where it rests at one, since leaving it is no event.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room.
-    pub fn clear_sides(&self) -> Result<[Option<bool>; CORNERS], Fault> {
-        Ok(Sides::clear(&self.corners()?, self.experiment.tolerance))
+    pub fn clear_sides(&self) -> Result<[Option<bool>; EVENT_INDICATORS], Fault> {
+        Ok(Sides::clear(&self.kink_indicators()?, self.experiment.tolerance))
     }
 
-    /// Whether a corner was crossed between these sides and the present state.
+    /// Whether a kink was crossed between these sides and the present state.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room.
-    pub fn has_changed(&self, sides: &[Option<bool>; CORNERS]) -> Result<bool, Fault> {
-        let now = self.corners()?;
+    pub fn has_changed(&self, sides: &[Option<bool>; EVENT_INDICATORS]) -> Result<bool, Fault> {
+        let now = self.kink_indicators()?;
         Ok(sides.iter().zip(now).any(|(side, value)| side.is_some_and(|above| above != (value > 0.0))))
     }
 
@@ -435,12 +435,12 @@ impl Simulation {
     ///
     /// # Errors
     /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
-    pub fn indicators(&self) -> Result<[f64; CORNERS], Fault> {
-        Ok(self.sides.indicators(&self.corners()?, self.experiment.tolerance))
+    pub fn indicators(&self) -> Result<[f64; EVENT_INDICATORS], Fault> {
+        Ok(self.sides.indicators(&self.kink_indicators()?, self.experiment.tolerance))
     }
 
     /// Handles an event for a host that integrates: applies a jump of the position to the gas, and updates the sides of all
-    /// corners. Returns whether states changed.
+    /// kinks. Returns whether states changed.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
@@ -480,14 +480,14 @@ impl Simulation {
         Ok(changed)
     }
 
-    /// Updates the sides of all corners, and the piston's rest position.
+    /// Updates the sides of all kinks, and the piston's rest position.
     fn settle(&mut self) -> Result<(), Fault> {
         if self.is_moved_by_velocity() {
             let piston = self.piston();
             self.sides.settle_rest(&piston);
         }
-        let corners = self.corners()?;
-        self.sides.settle(&corners);
+        let indicators = self.kink_indicators()?;
+        self.sides.settle(&indicators);
         Ok(())
     }
 

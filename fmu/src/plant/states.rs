@@ -127,7 +127,7 @@ mod tests {
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.07;
         let closed = jump(&chamber, EffectSet::NONE, &boundary, &states, 0.1).unwrap();
-        let lag = SensorLag::PLACE;
+        let lag = SensorLag::INDEX;
         chamber.effects.of_mut(lag)[0] = 0.01;
         let integrated = jump(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
         assert!((closed[ENERGY] / integrated[ENERGY] - 1.0).abs() < 1e-10);
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn a_core_of_gas_is_compressed_like_the_rest() {
         let mut chamber = Starts::default().parameters.chamber();
-        let zones = GasZones::PLACE;
+        let zones = GasZones::INDEX;
         chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.05]);
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.05;

@@ -349,7 +349,7 @@ impl Course<'_> {
         Ok((states::with_sums(&gas_of(&end), end[HEAT_SUM], end[WORK_SUM], states[TRAVEL]), inner_step, flows))
     }
 
-    /// Integrates over the step, with breakpoints at the corners of the inputs.
+    /// Integrates over the step, with breakpoints at the kinks of the inputs.
     fn run<const N: usize>(
         &self,
         states: [f64; N],

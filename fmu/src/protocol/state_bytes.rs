@@ -6,7 +6,7 @@
 use super::phases::Phase;
 use super::refusal::Refusal;
 use super::snapshot::Snapshot;
-use crate::plant::corners::{CORNERS, Rest, Sides};
+use crate::plant::event_indicators::{EVENT_INDICATORS, Rest, Sides};
 use crate::plant::history::{Reading, Record, Stretch};
 use crate::plant::inputs::{Inputs, ORDERS};
 use crate::plant::leader::Leader;
@@ -166,7 +166,7 @@ impl Reader<'_> {
     }
 
     fn sides(&mut self) -> Option<Sides> {
-        let mut above = [false; CORNERS];
+        let mut above = [false; EVENT_INDICATORS];
         for side in &mut above {
             *side = self.flag()?;
         }

@@ -19,7 +19,7 @@ pub fn effects_here() -> impl Iterator<Item = (usize, &'static Card)> {
 /// # Errors
 /// The reason, as a sentence.
 pub fn exported(effect: usize, values: &[f64]) -> Result<(), String> {
-    if effect != Empirical::PLACE {
+    if effect != Empirical::INDEX {
         return Ok(());
     }
     match Curve::of(values) {
@@ -53,7 +53,7 @@ pub(super) fn parameters(table: &mut Vec<Variable>) {
 pub fn parameter_name(card: &Card, parameter: &Parameter) -> String {
     let name = format!("{}.{}", camel(card.name), camel(parameter.name));
     match parameter.kind {
-        Kind::Place { index, .. } => format!("{name}[{}]", index + 1),
+        Kind::ListEntry { index, .. } => format!("{name}[{}]", index + 1),
         Kind::Number | Kind::Word(_) => name,
     }
 }

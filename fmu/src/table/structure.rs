@@ -171,7 +171,7 @@ fn values(effect: usize) -> impl Iterator<Item = Vec<f64>> {
                 };
                 all = all.iter().flat_map(|values| (1..=words.len()).map(move |word| with(values, word))).collect();
             }
-            Holds::Place { index, rising } => {
+            Holds::ListEntry { index, rising } => {
                 let places = card.parameters.iter().filter(|p| p.name == parameter.name).count();
                 let spread = RANGE * (2.0 * index as f64 / (places - 1) as f64 - 1.0);
                 all.iter_mut().filter(|_| rising).for_each(|values| values[place] = spread);

@@ -50,12 +50,12 @@ fn odd_rows(times: &[f64]) -> Vec<usize> {
     let mut ends: Vec<usize> = Vec::new();
     let mut before = vec![usize::MAX; times.len()];
     for (row, time) in times.iter().enumerate() {
-        let place = ends.partition_point(|end| times[*end] < *time);
-        if place > 0 {
-            before[row] = ends[place - 1];
+        let length = ends.partition_point(|end| times[*end] < *time);
+        if length > 0 {
+            before[row] = ends[length - 1];
         }
         // Of two rows with the same time, the first is kept.
-        match ends.get_mut(place) {
+        match ends.get_mut(length) {
             Some(end) if times[*end] == *time => {}
             Some(end) => *end = row,
             None => ends.push(row),

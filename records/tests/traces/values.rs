@@ -31,7 +31,7 @@ fn a_mark_of_no_reading_is_left_out_of_every_column() {
         rows[50] = marked.to_owned();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
         let trace = Bench::new().read(table(&rows)).unwrap();
-        assert_eq!((trace.len(), trace.left_out.len(), trace.left_out[0].line), (99, 1, 52), "{marked}");
+        assert_eq!((trace.len(), trace.dropped_rows.len(), trace.dropped_rows[0].line), (99, 1, 52), "{marked}");
     }
 }
 

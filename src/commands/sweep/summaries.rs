@@ -70,7 +70,7 @@ pub fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elap
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
     }
-    if let Some(note) = output::left_out(study.left_out) {
+    if let Some(note) = output::excluded_effects(study.excluded) {
         text += &note;
     }
     for name in &report.results {

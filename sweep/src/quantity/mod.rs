@@ -180,7 +180,7 @@ pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
     let Some((effect, parameter)) = effect_of(place) else { return false };
     let card = &effects::CARDS[effect];
     match card.parameters[parameter].kind {
-        Kind::Place { index, .. } => !values.active().has(effect) || index >= (card.length)(values.of(effect)),
+        Kind::ListEntry { index, .. } => !values.active().has(effect) || index >= (card.length)(values.of(effect)),
         Kind::Number | Kind::Word(_) => false,
     }
 }

@@ -42,7 +42,7 @@ pub struct Study {
     /// The model, which supplies everything that does not vary.
     pub model: Model,
     /// The model's effects ignored here: those on the stroke record, as a study's stroke is the true one.
-    pub left_out: EffectSet,
+    pub excluded: EffectSet,
     /// Values of all quantities that do not vary.
     pub base: Point,
     /// The varied quantities, in column order.

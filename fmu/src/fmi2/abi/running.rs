@@ -86,7 +86,7 @@ c_functions! {
     extern "C" fn fmi2GetDerivatives(derivatives: *mut f64, nx: usize) =
         |instance| instance.derivatives(elements_mut(derivatives, nx, "derivatives")?);
 
-    /// Functions that change sign at the corners of the equations.
+    /// Functions that change sign at the kinks of the equations.
     extern "C" fn fmi2GetEventIndicators(indicators: *mut f64, ni: usize) =
         |instance| instance.event_indicators(elements_mut(indicators, ni, "eventIndicators")?);
 

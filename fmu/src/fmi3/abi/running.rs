@@ -70,7 +70,7 @@ c_functions! {
     extern "C" fn fmi3GetContinuousStateDerivatives(values: *mut f64, n: usize) =
         |instance| instance.derivatives(elements_mut(values, n, "derivatives")?);
 
-    /// Functions that change sign at the corners of the equations.
+    /// Functions that change sign at the kinks of the equations.
     extern "C" fn fmi3GetEventIndicators(values: *mut f64, n: usize) =
         |instance| instance.event_indicators(elements_mut(values, n, "eventIndicators")?);
 
@@ -80,7 +80,7 @@ c_functions! {
 
     /// Number of event indicators, constant.
     extern "C" fn fmi3GetNumberOfEventIndicators(n: *mut usize) = |_| {
-        *place(n, "n")? = CORNERS;
+        *place(n, "n")? = EVENT_INDICATORS;
         Ok(())
     };
 

@@ -1,7 +1,7 @@
 //! Events, and functions for a host that integrates: modes, time, states, rates and event indicators.
 
 use super::{Event, Instance, warning};
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::phases::Phase;
@@ -121,13 +121,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Functions of order one that change sign at the corners of the equations (`fmi2GetEventIndicators`).
+    /// Functions of order one that change sign at the kinks of the equations (`fmi2GetEventIndicators`).
     ///
     /// # Errors
     /// Outside Model Exchange; for a wrong number of indicators, or states impossible for a gas.
     pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), Refusal> {
         self.exchange()?;
-        let indicators: &mut [f64; CORNERS] = of_length(indicators, "ni")?;
+        let indicators: &mut [f64; EVENT_INDICATORS] = of_length(indicators, "ni")?;
         *indicators = self.now.indicators()?;
         Ok(())
     }

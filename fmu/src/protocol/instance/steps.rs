@@ -1,7 +1,7 @@
 //! Steps of co-simulation: to the next communication point, or only to the first event.
 
 use super::{Instance, RefusedStep, warning};
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
 use crate::protocol::message::{Category, Message, Status};
@@ -119,9 +119,9 @@ impl Instance {
     }
 }
 
-/// The part of a step of `h` seconds from `before` up to the first change of these corner sides; `None` if rounding prevents such
+/// The part of a step of `h` seconds from `before` up to the first change of these kink sides; `None` if rounding prevents such
 /// a partial step.
-fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; CORNERS]) -> Option<Simulation> {
+fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; EVENT_INDICATORS]) -> Option<Simulation> {
     let (mut low, mut high) = (0.0, h);
     while high - low > 1e-9 * h {
         let middle = 0.5 * (low + high);
@@ -139,18 +139,18 @@ mod tests {
     use chamber::effects::{self, NaturalConvection};
 
     #[test]
-    fn a_corner_at_which_the_chamber_rests_is_left_without_an_event() {
+    fn a_kink_at_which_the_chamber_rests_is_left_without_an_event() {
         let mut starts = Starts::default();
         starts.parameters.choices.stroke_input = StrokeInput::Velocity;
-        // Free convection: its coefficient has a corner at T = Tw, the state of a chamber at rest.
-        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::PLACE]] = 0.25;
+        // Free convection: its coefficient has a kink at T = Tw, the state of a chamber at rest.
+        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::INDEX]] = 0.25;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
         let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.set_real(&[velocity], &[-0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
-        // On the way back the gas cools below the wall: the corner is passed once.
+        // On the way back the gas cools below the wall: the kink is passed once.
         instance.set_real(&[velocity], &[0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.09, 0.5), Ok(true));
         let event = instance.time();
