@@ -39,10 +39,11 @@ fn the_push_does_not_depend_on_the_step() {
 
 #[test]
 fn start_values_set_again_change_nothing_and_another_value_hands_the_piston_over() {
-    for (parameter, value, led) in [("position", 0.1, true), ("velocity", 0.0, true), ("deadVolume", 1e-5, false)] {
+    for (parameter, value, is_pushed) in [("position", 0.1, true), ("velocity", 0.0, true), ("deadVolume", 1e-5, false)]
+    {
         let host = Host::started(&[(parameter, value)]);
         host.step(0.0, 0.1);
-        assert_eq!(host.get("pistonPosition") < 0.06, led, "{parameter}");
+        assert_eq!(host.get("pistonPosition") < 0.06, is_pushed, "{parameter}");
     }
     let host = Host::started(&[]);
     host.set("position", 0.1);

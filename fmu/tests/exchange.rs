@@ -13,7 +13,7 @@ use fmu::fmi2::host::EventInfo;
 use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::states::ALL;
 use fmu::table::effects::{effects_here, parameter_name};
-use fmu::table::place_of_state;
+use fmu::table::index_of_state;
 
 /// A host that integrates: Dormand and Prince's pair, with inputs as functions of time.
 struct Exchange<F> {
@@ -225,8 +225,8 @@ fn a_piston_that_its_velocity_moves_rests_at_the_end_of_its_stroke_and_leaves_it
 
 #[test]
 fn a_position_that_jumps_in_an_event_compresses_the_gas_adiabatically() {
-    let place = std::cell::Cell::new(0.1);
-    let jumping = Exchange::started(&[("lambda0", 0.0)], 1e-8, |host, _| host.set("position", place.get()));
+    let position = std::cell::Cell::new(0.1);
+    let jumping = Exchange::started(&[("lambda0", 0.0)], 1e-8, |host, _| host.set("position", position.get()));
     let (pressure, volume) = (jumping.host.get("pressure"), jumping.host.get("volume"));
     unsafe { assert_eq!(fmi2EnterEventMode(jumping.host.c), 0) };
     jumping.host.set("position", 0.05);
@@ -260,7 +260,7 @@ fn rates_and_outputs_have_the_derivatives_of_their_differences_by_states_and_inp
     let names: Vec<String> = fmu::table::table().iter().map(|v| v.name.clone()).collect();
     let unknowns = ["der(internalEnergy)", "der(mass)", "pressure", "temperature", "heatFlow", "force", "workDone"];
     for state in 0..ALL {
-        let known = &names[place_of_state(state).unwrap()];
+        let known = &names[index_of_state(state).unwrap()];
         let d = 1e-6 * base[state].abs().max(1e-6);
         for unknown in unknowns {
             let exact = host.directional(unknown, known);

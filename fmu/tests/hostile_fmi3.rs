@@ -120,9 +120,9 @@ impl Host {
         unsafe { self.update(false).max(fmi3EnterContinuousTimeMode(self.c)) }
     }
 
-    unsafe fn update(&self, without_place: bool) -> CEnum {
+    unsafe fn update(&self, without_destination: bool) -> CEnum {
         let ([mut a, mut b, mut c, mut d, mut e], mut time) = ([0; 5], 0.0);
-        let time = if without_place { null_mut() } else { &raw mut time };
+        let time = if without_destination { null_mut() } else { &raw mut time };
         unsafe { fmi3UpdateDiscreteStates(self.c, &mut a, &mut b, &mut c, &mut d, &mut e, time) }
     }
 
@@ -337,9 +337,9 @@ unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
             Call::Adjoint => fmi3GetAdjointDerivative(c, null(), 0, null(), 0, null(), 0, null_mut(), 0),
             Call::Step { offset, h, null: without } => {
                 let ([mut event, mut end, mut early], mut last) = ([7; 3], f64::NAN);
-                let last_place = if *without { null_mut() } else { &raw mut last };
+                let last_destination = if *without { null_mut() } else { &raw mut last };
                 let before = host.time();
-                let status = fmi3DoStep(c, before + offset, *h, 1, &mut event, &mut end, &mut early, last_place);
+                let status = fmi3DoStep(c, before + offset, *h, 1, &mut event, &mut end, &mut early, last_destination);
                 if status < 2 {
                     assert_eq!((last, end, event), (host.time(), 0, early));
                     assert!(
@@ -404,8 +404,8 @@ unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
             Call::Indicators(length) => fmi3GetEventIndicators(c, vec![0.0; *length].as_mut_ptr(), *length),
             Call::Numbers { null } => {
                 let mut n = 0;
-                let place = if *null { null_mut() } else { &raw mut n };
-                fmi3GetNumberOfEventIndicators(c, place).max(fmi3GetNumberOfContinuousStates(c, place))
+                let destination = if *null { null_mut() } else { &raw mut n };
+                fmi3GetNumberOfEventIndicators(c, destination).max(fmi3GetNumberOfContinuousStates(c, destination))
             }
             Call::Dependencies(of) => fmi3GetNumberOfVariableDependencies(c, *of, &mut 0)
                 .max(fmi3GetVariableDependencies(c, *of, null_mut(), null_mut(), null_mut(), null_mut(), 0)),

@@ -122,13 +122,13 @@ fn a_serialized_state_is_refused_or_goes_on() {
     let made: Vec<Vec<u8>> =
         kinds.into_iter().flat_map(|kind| [states(kind, &MEMORY), states(kind, &MEMORY[..1])].concat()).collect();
     let whole = made.len() as u32;
-    let (accepted, behind_the_checksum) = (Cell::new(0_u32), Cell::new(0_u32));
+    let (accepted, past_the_checksum) = (Cell::new(0_u32), Cell::new(0_u32));
     let reference = mended(&made[0]);
     hostile::run_from("fmu-state", made, &["PNTFMUS\0"], |bytes| {
         // A fourth stays as it is; which one follows from the bytes, so that a kept input does the same again.
         let bytes = if bytes.len() % 4 == 3 { bytes.to_vec() } else { mended(bytes) };
         if bytes.get(..12) == reference.get(..12) {
-            behind_the_checksum.set(behind_the_checksum.get() + 1);
+            past_the_checksum.set(past_the_checksum.get() + 1);
         }
         for kind in kinds {
             let mut instance = Instance::new(&Starts::default(), GUID, kind);
@@ -145,6 +145,6 @@ fn a_serialized_state_is_refused_or_goes_on() {
             }
         }
     });
-    println!("fmu-state: {} reached the checksum, {} were taken", behind_the_checksum.get(), accepted.get());
+    println!("fmu-state: {} reached the checksum, {} were taken", past_the_checksum.get(), accepted.get());
     assert!(accepted.get() >= whole, "not even what was made is taken");
 }

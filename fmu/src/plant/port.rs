@@ -37,9 +37,9 @@ impl<R: Real> Port<R> {
         let temperature = inward.where_positive(self.temperature, at.temperature);
         let ratio = downstream / upstream;
         let beyond = (ratio.min(R::from(LINEAR_ABOVE)) - self.critical_ratio).max(R::ZERO);
-        let share = beyond / (R::ONE - self.critical_ratio);
+        let fraction = beyond / (R::ONE - self.critical_ratio);
         let fade = ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE);
-        let psi = (R::ONE - share * share).sqrt() * fade;
+        let psi = (R::ONE - fraction * fraction).sqrt() * fade;
         let density = R::from(REFERENCE_PRESSURE_PER_KELVIN) / at.gas_constant;
         let size =
             self.conductance * upstream * density * (R::from(REFERENCE_TEMPERATURE_K) / temperature).sqrt() * psi;

@@ -4,7 +4,7 @@ use super::event_indicators::{self, EVENT_INDICATORS, Piston, Rest, Sides};
 use super::fault::Fault;
 use super::history::{self, Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
-use super::leader::Leader;
+use super::motion_source::MotionSource;
 use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::states::{self, ALL, Origin, TRAVEL};
@@ -67,7 +67,7 @@ pub struct Simulation {
     /// Parameters as the host set them, SI units.
     pub parameters: Parameters,
     /// What moves the piston.
-    pub leader: Leader,
+    pub motion_source: MotionSource,
     /// Inputs as the host set them, SI units, with their derivatives.
     pub inputs: Inputs,
     /// The gas; meaningless before the end of initialization.
@@ -97,7 +97,7 @@ impl Simulation {
             experiment: Experiment { start: 0.0, stop: None, tolerance: DEFAULT_TOLERANCE },
             time: 0.0,
             parameters: starts.parameters,
-            leader: Leader::Push,
+            motion_source: MotionSource::Push,
             inputs: Inputs::new(starts.inputs),
             gas: Gas { states: [0.0; ALL], position, inner_step: 0.0, port_flows: None },
             origin: Origin { mass: 0.0, energy: 0.0, position },
@@ -139,12 +139,12 @@ impl Simulation {
     /// Present inputs, with the piston's actual position and speed.
     pub fn here(&self) -> [f64; INPUTS] {
         let mut u = self.inputs.present();
-        (u[input::POSITION], u[input::VELOCITY]) = self.place(&self.piston());
+        (u[input::POSITION], u[input::VELOCITY]) = self.actual_motion(&self.piston());
         u
     }
 
     /// Actual position and speed of the piston.
-    fn place(&self, piston: &Piston) -> (f64, f64) {
+    fn actual_motion(&self, piston: &Piston) -> (f64, f64) {
         let exchange = self.kind == Kind::ModelExchange && self.is_moved_by_velocity() && self.started;
         match (exchange, self.sides.rest) {
             // The states are the host's: the piston moves on until the event at the end of the stroke is handled.
@@ -259,18 +259,18 @@ impl Simulation {
 
     /// From now on the host moves the piston. After the default experiment, it rests until the host sets more.
     pub fn hand_over(&mut self) {
-        if self.leader != Leader::Host {
+        if self.motion_source != MotionSource::Host {
             if self.started {
                 self.inputs.set(input::VELOCITY, 0.0);
             }
-            self.leader = Leader::Host;
+            self.motion_source = MotionSource::Host;
         }
     }
 
     /// Sets position and velocity to those of the default experiment at the present time, while it is active.
-    pub fn lead(&mut self) {
+    pub fn apply_default_motion(&mut self) {
         let elapsed = self.time - self.experiment.start;
-        if let Some((position, velocity)) = self.leader.stroke(self.origin.position, elapsed) {
+        if let Some((position, velocity)) = self.motion_source.stroke(self.origin.position, elapsed) {
             let position = if self.kind == Kind::CoSimulation { self.gas.position } else { position };
             self.inputs.set(input::POSITION, position);
             self.inputs.set(input::VELOCITY, velocity);
@@ -278,8 +278,8 @@ impl Simulation {
     }
 
     /// Time at which the default experiment changes next, s.
-    pub fn turn(&self) -> Option<f64> {
-        self.leader.until().map(|until| self.experiment.start + until)
+    pub fn default_motion_change(&self) -> Option<f64> {
+        self.motion_source.until().map(|until| self.experiment.start + until)
     }
 
     /// One communication step of `h` seconds. On refusal nothing has changed.
@@ -287,7 +287,7 @@ impl Simulation {
     /// # Errors
     /// If no accurate step exists.
     pub fn step(&mut self, h: f64) -> Result<(), Fault> {
-        if self.leader == Leader::Host {
+        if self.motion_source == MotionSource::Host {
             return self.step_on(h);
         }
         let before = self.clone();
@@ -301,17 +301,17 @@ impl Simulation {
     /// A step of the default experiment, split where it changes within the step.
     fn step_by_default(&mut self, h: f64) -> Result<(), Fault> {
         let end = self.time + h;
-        if let Some(turn) = self.turn().filter(|turn| *turn < end) {
-            if turn > self.time {
-                self.lead();
-                self.step_on(turn - self.time)?;
+        if let Some(change) = self.default_motion_change().filter(|change| *change < end) {
+            if change > self.time {
+                self.apply_default_motion();
+                self.step_on(change - self.time)?;
             }
-            self.leader = Leader::Hold;
+            self.motion_source = MotionSource::Hold;
         }
-        self.lead();
+        self.apply_default_motion();
         self.step_on(end - self.time)?;
         self.time = end;
-        self.lead();
+        self.apply_default_motion();
         Ok(())
     }
 
@@ -384,8 +384,10 @@ impl Simulation {
         if self.kind == Kind::ModelExchange || position == self.gas.position {
             return Ok(*states);
         }
-        states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, states, self.gas.position)
-            .map_err(|e| Fault::no_stroke(self.time, e))
+        states::instantaneous_stroke(
+            &self.plant.balance.chamber, self.plant.set, &moment.boundary, states, self.gas.position,
+        )
+        .map_err(|e| Fault::no_stroke(self.time, e))
     }
 
     /// The sensor's reading one delay earlier, Pa, and its rate, Pa/s, if the record is delayed.
@@ -445,10 +447,10 @@ impl Simulation {
     /// # Errors
     /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn handle_event(&mut self) -> Result<bool, Fault> {
-        let before = (self.leader, self.inputs.clone(), self.gas.states, self.sides);
+        let before = (self.motion_source, self.inputs.clone(), self.gas.states, self.sides);
         let outcome = self.event();
         if outcome.is_err() {
-            (self.leader, self.inputs, self.gas.states, self.sides) = before;
+            (self.motion_source, self.inputs, self.gas.states, self.sides) = before;
         }
         outcome
     }
@@ -457,20 +459,21 @@ impl Simulation {
         let mut changed = false;
         // The host reaches a time event only to within its clock's rounding. Some, such as fmusim, restart the integration only
         // if states have changed: the change of the experiment is reported as that.
-        if self.turn().is_some_and(|turn| self.time >= turn - 1e-12 * turn.abs()) {
-            self.leader = Leader::Hold;
+        if self.default_motion_change().is_some_and(|change| self.time >= change - 1e-12 * change.abs()) {
+            self.motion_source = MotionSource::Hold;
             changed = true;
         }
-        self.lead();
+        self.apply_default_motion();
         if !self.is_moved_by_velocity() {
             let u = self.here();
             let (from, to) = (self.completed.position, u[input::POSITION]);
             if from != to {
                 let moment = self.moment(&u);
                 self.states_at(&moment)?;
-                let after =
-                    states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, &self.gas.states, from)
-                        .map_err(|e| Fault::no_stroke(self.time, e))?;
+                let after = states::instantaneous_stroke(
+                    &self.plant.balance.chamber, self.plant.set, &moment.boundary, &self.gas.states, from,
+                )
+                .map_err(|e| Fault::no_stroke(self.time, e))?;
                 self.gas.states = after;
                 changed = true;
             }

@@ -59,7 +59,7 @@ pub fn parameter_name(card: &Card, parameter: &Parameter) -> String {
 }
 
 /// The names of a set's effects as a list: `wallHeating, warmWall and wallConduction`.
-pub fn words(set: EffectSet) -> String {
+pub fn names(set: EffectSet) -> String {
     let names: Vec<String> = effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| camel(card.name)).collect();
     listed(&names)
 }
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn real_parameters_stand_in_the_order_of_their_places() {
+    fn real_parameters_follow_the_order_of_their_indices() {
         let parameters: Vec<_> =
             table().iter().filter_map(|v| if let Role::Parameter(i) = v.role { Some(i) } else { None }).collect();
         let offsets = effects::PARAMETER_OFFSETS;

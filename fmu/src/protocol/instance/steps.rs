@@ -20,7 +20,7 @@ impl Instance {
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         self.check_step(point, h)?;
         let stroke = self.advance(point, h)?;
-        self.tell_of(point, stroke);
+        self.report_step(point, stroke);
         Ok(())
     }
 
@@ -44,7 +44,7 @@ impl Instance {
         if let Some(event) = event {
             self.now = event;
         }
-        self.tell_of(point, stroke);
+        self.report_step(point, stroke);
         Ok(is_early)
     }
 
@@ -78,8 +78,8 @@ impl Instance {
     /// Makes the step; returns the piston's previous position and the host's initial position for the step, m.
     fn advance(&mut self, point: f64, h: f64) -> Result<[f64; 2], Refusal> {
         let reached = self.now.gas.position;
-        let said = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
-        let (begin, _) = self.now.plant.limits.apply(said, 0.0);
+        let requested = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
+        let (begin, _) = self.now.plant.limits.apply(requested, 0.0);
         // The host's clock is authoritative, so that rounding in its communication points cannot accumulate.
         let time = std::mem::replace(&mut self.now.time, point);
         if let Err(fault) = self.now.step(h) {
@@ -94,9 +94,9 @@ impl Instance {
     }
 
     /// Sends the messages about a step from `point`, s, with a jump of the piston from `reached` to `begin`, m.
-    fn tell_of(&mut self, point: f64, [reached, begin]: [f64; 2]) {
+    fn report_step(&mut self, point: f64, [reached, begin]: [f64; 2]) {
         let messages = &mut self.messages;
-        if self.tells_events && (begin - reached).abs() > ROUNDING_M {
+        if self.logs_events && (begin - reached).abs() > ROUNDING_M {
             let text = format!(
                 "t = {point} s: the stroke from {reached} m to position = {begin} m was taken up adiabatically"
             );
@@ -147,7 +147,7 @@ mod tests {
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::index_of(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.set_real(&[velocity], &[-0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
         // On the way back the gas cools below the wall: the kink is passed once.
@@ -166,13 +166,13 @@ mod tests {
         starts.inputs[input::VELOCITY] = 1.0;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::index_of(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.exit_initialization().unwrap();
         instance.set_real(&[velocity], &[1.0]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.1), Ok(true));
         let texts: Vec<String> = instance.messages().into_iter().map(|message| message.text).collect();
-        let told = format!("t = {} s: the piston is pushed beyond its stroke", instance.time());
+        let text = format!("t = {} s: the piston is pushed beyond its stroke", instance.time());
         assert!((instance.time() - 0.01).abs() < 1e-9, "{}", instance.time());
-        assert!(texts.len() == 1 && texts[0].starts_with(&told), "{texts:?}");
+        assert!(texts.len() == 1 && texts[0].starts_with(&text), "{texts:?}");
     }
 }
