@@ -163,7 +163,7 @@ fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, byt
         let (bytes, free) = (indicatif::BinaryBytes(bytes), indicatif::BinaryBytes(free));
         output::note(&format!(
             "{}: the rows take {about} {bytes}, and the disk has {free} left",
-            store.place().display()
+            store.location().display()
         ));
     }
 }

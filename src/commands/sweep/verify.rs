@@ -52,7 +52,7 @@ fn of_results(Report { wrong_results, .. }: &Report) -> Option<String> {
 
 /// How to rewrite wrong traces, which the study does not request itself.
 fn of_traces(Report { wrong_results, .. }: &Report) -> Option<String> {
-    let are_wrong = wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PLACE));
+    let are_wrong = wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PATH));
     are_wrong.then(|| "traces are written again with --traces".to_owned())
 }
 

@@ -120,10 +120,10 @@ impl Study {
     fn fixed(&self) -> Map<String, Value> {
         let mut fixed = Map::new();
         let effects = self.effects();
-        for (place, q) in quantity::all().iter().enumerate() {
-            let value = self.base.0[place];
-            let effect_is_off = quantity::effect_of(place).is_some_and(|(effect, _)| !effects.has(effect));
-            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
+        for (index, q) in quantity::all().iter().enumerate() {
+            let value = self.base.0[index];
+            let effect_is_off = quantity::effect_of(index).is_some_and(|(effect, _)| !effects.has(effect));
+            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == index) {
                 fixed.insert(q.name.clone(), json!(value));
             }
         }
