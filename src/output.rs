@@ -38,7 +38,7 @@ pub fn check<'a>(
     // A device such as /dev/null takes any number of results.
     let is_device = |path: &Path| path.exists() && !path.is_file() && !path.is_dir();
     let results = results.into_iter().filter(|path| !is_device(path));
-    let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), place(path))).collect();
+    let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), resolved(path))).collect();
     for (nth, (path, at)) in results.iter().enumerate() {
         if results[..nth].iter().any(|(_, other)| other == at) {
             match is_stdout(path) {
@@ -47,7 +47,7 @@ pub fn check<'a>(
             }
         }
     }
-    let inputs: Vec<PathBuf> = inputs.into_iter().map(place).collect();
+    let inputs: Vec<PathBuf> = inputs.into_iter().map(resolved).collect();
     match results.iter().find(|(_, at)| inputs.contains(at)) {
         Some((path, _)) => {
             bail!("{}: not written, because it is read by this command; name another file", path.display())
@@ -70,7 +70,7 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// A unique path for each file, however it is named; also for a new file, if its folder exists.
-fn place(path: &Path) -> PathBuf {
+fn resolved(path: &Path) -> PathBuf {
     let of_folder = || Some(folder(path).canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(of_folder).unwrap_or_else(|| path.to_owned())
 }

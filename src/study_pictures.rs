@@ -79,7 +79,7 @@ fn steps(histogram: &Value) -> Vec<(f64, f64)> {
 
 /// Distribution function of a result from its quantiles, from the smallest to the largest value.
 fn distribution(column: &Value) -> Vec<(f64, f64)> {
-    let extreme = |key: &str, share: f64| column[key]["value"].as_f64().map(|value| (value, share));
+    let extreme = |key: &str, probability: f64| column[key]["value"].as_f64().map(|value| (value, probability));
     let quantiles = column["quantiles"].as_array().into_iter().flatten();
     let quantiles = quantiles.filter_map(|q| Some((q["value"].as_f64()?, q["probability"].as_f64()?)));
     let mut points: Vec<(f64, f64)> = extreme("minimum", 0.0).into_iter().chain(quantiles).collect();

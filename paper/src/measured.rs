@@ -141,7 +141,7 @@ pub fn reproduce() -> Result<Measured, Error> {
             let setup = Setup::air(test.bore_m, ambient.temperature_k.value);
             let steps = test.steps(ambient.temperature_k.value, ambient.standard_error_k)?;
             let exact = |hold: f64| -> Result<f64, Error> {
-                let (pf, rate) = exact_regression::behind_regression(&test.regression(), hold)?;
+                let (pf, rate) = exact_regression::decay_of_regression(&test.regression(), hold)?;
                 let ambient_k = setup.ambient_temperature_k;
                 Ok(exact_regression::quantities(&setup, ambient_k, &test.push(), pf, rate).coefficient_0_w_per_m2_k)
             };

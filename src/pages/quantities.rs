@@ -71,12 +71,12 @@ fn name(path: &str) -> String {
         "position_scale" => "scale of the position".to_owned(),
         "position_linearity" => "linearity of the position sensor".to_owned(),
         "position_offset_m" => "zero of the position".to_owned(),
-        _ => behind_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
+        _ => after_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
     }
 }
 
 /// A parameter of the gas after a numbered gap in a record.
-fn behind_gap(path: &str) -> Option<String> {
+fn after_gap(path: &str) -> Option<String> {
     let (gap, key) = path.strip_prefix("behind_gap_")?.split_once('.')?;
     Some(format!("{} of the gas behind gap {gap}", spaced(key)))
 }

@@ -71,8 +71,8 @@ fn section(card: &Card) -> String {
                     format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")),
                 ),
                 Kind::ListEntry { .. } => {
-                    let places = card.parameters.iter().filter(|q| q.name == p.name).count();
-                    (p.name.to_owned(), format!(" (a list of 1 to {places})"))
+                    let entries = card.parameters.iter().filter(|q| q.name == p.name).count();
+                    (p.name.to_owned(), format!(" (a list of 1 to {entries})"))
                 }
             };
             [
