@@ -26,7 +26,7 @@ pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
     asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
-/// Refuses, before any work, results that cannot be written: to a protected place, over an input, or two to one file.
+/// Refuses, before any work, results that cannot be written: to a protected location, over an input, or two to one file.
 pub fn check<'a>(
     results: impl IntoIterator<Item = &'a PathBuf>,
     inputs: impl IntoIterator<Item = &'a Path>,

@@ -439,7 +439,7 @@ mod tests {
     }
 
     /// A chamber with the effects in `set` at typical values, a boundary with flows and a moving piston, and its states.
-    fn breathing(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
+    fn with_flow_and_motion(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
         let chamber = section_31(AreaLaw::Total).with_typical(set);
         let boundary = Boundary {
             velocity: -0.5,
@@ -456,17 +456,17 @@ mod tests {
     fn one_over_the_mean_temperature_is_that_whatever_the_gas_is_like() {
         let like = effects::CALORIC.union(effects::VOLUMETRIC);
         for set in like.iter().map(EffectSet::one).chain([EffectSet::NONE, like]) {
-            let (chamber, boundary, state) = breathing(set);
+            let (chamber, boundary, state) = with_flow_and_motion(set);
             let (at, ..) = Balances::of(chamber).evaluate(set, &boundary, &state);
             assert!((at.per_temperature() * at.temperature - 1.0).abs() < 1e-13, "{set:?}");
         }
     }
 
     #[test]
-    fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_the_chamber_breathes() {
+    fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_gas_flows_and_the_piston_moves() {
         let zones = GasZones::INDEX;
         for set in [GasZones::SET, GasZones::SET.union(effects::CALORIC)] {
-            let (chamber, boundary, mut state) = breathing(set);
+            let (chamber, boundary, mut state) = with_flow_and_motion(set);
             let index = OWN + effects::STATE_OFFSETS[zones];
             state[index] = 330.0;
             let (at, rates, own) = Balances::of(chamber).evaluate(set, &boundary, &state);

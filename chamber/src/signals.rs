@@ -68,8 +68,8 @@ impl Signals {
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
     }
 
-    /// Times, s, at which the slope of the stroke changes enough for an average over `window`, s, to show it, each as an interval of zero
-    /// length; an end of the record counts if the stroke moves there.
+    /// Times, s, at which the slope of the stroke changes enough for an average over `window`, s, to show it, each as an
+    /// interval of zero length; an end of the record counts if the stroke moves there.
     fn slope_changes(&self, window: f64) -> impl Iterator<Item = [f64; 2]> {
         /// Fraction of the stroke's extent: rounding deflects a line by this much within a window.
         const ROUNDING: f64 = 1e-6;
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_behind_a_low_pass_is_found_again() {
+    fn a_stroke_recorded_through_a_low_pass_is_recovered() {
         let (filter, speed) = (0.05, 0.2);
         let values = EffectValues::NEUTRAL.with(PositionDelay::INDEX, &[0.0, filter]);
         let stroke = |t: f64| 0.1 - speed * (t.clamp(0.2, 0.4) - 0.2);

@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lagging_sensor_meets_the_gas_in_the_end() {
+    fn a_lagging_sensor_reaches_the_gas_pressure_in_the_end() {
         let (chamber, signals, times) = push();
         let lagging = run(&chamber.with(SensorLag::INDEX, &[0.02]), &signals, &times);
         let peak = lagging.iter().map(|s| s.gas_pressure).fold(0.0, f64::max);

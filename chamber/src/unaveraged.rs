@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_wave_is_found_again() {
+    fn a_slow_wave_is_recovered() {
         let x = |t: f64| 0.1 + 0.05 * (2.0 * t).sin();
         let found = Unaveraged::new(|t| average(x, t), WINDOW, [-9.0, 9.0], [-9.0, 9.0], true).unwrap();
         for t in (-40..40).map(|k| 0.1 * f64::from(k)) {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {
+    fn a_parabola_is_recovered_up_to_the_ends_of_its_record_and_a_rest_stays_a_rest() {
         let x = |t: f64| 0.1 + 0.3 * t - t * t;
         let found = Unaveraged::new(|t| average(x, t), WINDOW, [-1.0, 1.0], [-1.0, 1.0], true).unwrap();
         for t in [-1.0, -0.9, 0.2, 0.95, 1.0] {
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_that_gains_its_speed_within_the_window_is_found_again() {
+    fn a_push_that_accelerates_within_the_window_is_recovered() {
         for (gains_speed, remaining) in [(0.5, 0.13), (0.25, 0.11), (0.1, 0.29)] {
             let (x, averaged) = push(gains_speed);
             // The detected motion starts either exactly or only once it exceeds noise.

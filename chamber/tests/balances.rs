@@ -178,7 +178,7 @@ fn an_isolated_core_is_compressed_without_gain_of_entropy() {
 }
 
 #[test]
-fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
+fn a_tube_takes_the_gas_given_by_its_pressure_and_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let tube = 3e-6;

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_says_what_was_written() {
+    fn a_block_decodes_to_what_was_written() {
         assert_eq!(Block::decode(&block().encode()), Some(block()));
         assert_eq!(Block::decode(&AS_BUILT), Some(Block::reference()));
     }

@@ -236,7 +236,7 @@ fn a_step_that_would_empty_the_chamber_names_the_outflow_whatever_else_is_on_and
 }
 
 #[test]
-fn a_host_that_repeats_a_discarded_step_is_told_to_end_and_one_that_shortens_it_is_not() {
+fn a_host_that_repeats_a_discarded_step_is_asked_to_terminate_and_one_that_shortens_it_is_not() {
     let host = Host::started(&[]);
     let wants_to_end = || {
         let mut ended = -1;

@@ -117,7 +117,7 @@ fn go_on(instance: &mut Instance) {
 }
 
 #[test]
-fn a_serialized_state_is_refused_or_goes_on() {
+fn a_serialized_state_is_refused_or_the_simulation_continues_from_it() {
     let kinds = [Kind::CoSimulation, Kind::ModelExchange];
     let made: Vec<Vec<u8>> =
         kinds.into_iter().flat_map(|kind| [states(kind, &MEMORY), states(kind, &MEMORY[..1])].concat()).collect();

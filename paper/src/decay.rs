@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_holds_the_truth_about_19_times_in_20() {
+    fn the_interval_contains_the_true_value_about_19_times_in_20() {
         let t = times(300, 0.01);
         let truth = curve::<Exponential>([1.9e5, 0.5e5, 0.43], &t);
         let mut state = 7u64;

@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_push_and_hold_are_told_apart() {
+    fn rest_push_and_hold_are_distinguished() {
         for grain in [0.0, 1e-4] {
             let r = relaxation(&push(grain)).unwrap();
             assert!((59..=61).contains(&r.stop_row), "{}", r.stop_row);

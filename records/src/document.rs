@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trace_in_the_place_of_a_settings_file_is_told_as_such() {
+    fn a_trace_given_instead_of_a_settings_file_is_named_as_such() {
         let folder = tempfile::tempdir().unwrap();
         let rows: String = (0..9).map(|k| format!("0,{k};1,01;100,0\r\n")).collect();
         let latin: Vec<u8> = format!("Prüfstand\r\nZeit;Druck;Weg\r\n{rows}").chars().map(|c| c as u8).collect();

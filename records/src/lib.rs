@@ -60,7 +60,8 @@ pub use provenance::{LAST_SECOND, OfEachRecord, Provenance, Rmse, SourceTrace, V
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use shut::shut_from;
 pub use statistics::{
-    DEVIATION_OF_MEDIAN, correlation, extremes, median, noise_of_second_differences, second_differences, turned_back,
+    DEVIATION_OF_MEDIAN, correlation, extremes, median, noise_of_second_differences, reversal_fraction,
+    second_differences,
 };
 pub use table::Table;
 pub use trace::{DroppedRow, LineNumbers, Need, Reading, Trace, Window, fields_of_line, near_column};

@@ -117,8 +117,8 @@ impl Hold<'_> {
         deviation_pa > MIN_SLOPE_RATIO * (line.slope * distance_s).abs() && went.abs() > relaxed.abs().max(deviation_pa)
     }
 
-    /// First of the consecutive readings, up to an open window, that deviate by more than `threshold_pa`, Pa: the pressure may have
-    /// departed from the line among the readings it is fitted to.
+    /// First of the consecutive readings, up to an open window, that deviate by more than `threshold_pa`, Pa: the pressure may
+    /// have departed from the line among the readings it is fitted to.
     fn departure(&self, first: usize, threshold_pa: f64) -> usize {
         let before = LINE_WINDOWS * self.width;
         let line = self.line_before(first.saturating_sub(self.width).max(before));

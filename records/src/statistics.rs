@@ -31,7 +31,7 @@ pub fn noise_of_second_differences(second_differences: Vec<f64>) -> f64 {
 
 /// Fraction of the changes between values whose sign differs from that of the previous change: two thirds for noise, zero for
 /// monotonic change. Repeated values are skipped.
-pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn reversal_fraction(values: impl IntoIterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.into_iter().collect();
     let changes: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|change| *change != 0.0).collect();
     let pairs = changes.windows(2);
@@ -60,7 +60,7 @@ pub fn extremes(values: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{correlation, turned_back};
+    use super::{correlation, reversal_fraction};
 
     #[test]
     fn series_on_one_line_correlate_fully_and_a_constant_with_nothing() {
@@ -71,11 +71,11 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_on_turns_nothing_back_and_what_goes_to_and_fro_all_of_it() {
-        assert_eq!(turned_back([1.0, 2.0, 2.0, 3.0, 5.0]), 0.0);
-        assert_eq!(turned_back([1.0, 2.0, 2.0, 1.0, 2.0]), 1.0);
-        assert_eq!(turned_back([1.0, 2.0, 1.0, 0.0]), 0.5);
-        assert_eq!(turned_back([1.0; 5]), 0.0);
-        assert_eq!(turned_back([]), 0.0);
+    fn monotonic_change_reverses_nowhere_and_alternating_change_everywhere() {
+        assert_eq!(reversal_fraction([1.0, 2.0, 2.0, 3.0, 5.0]), 0.0);
+        assert_eq!(reversal_fraction([1.0, 2.0, 2.0, 1.0, 2.0]), 1.0);
+        assert_eq!(reversal_fraction([1.0, 2.0, 1.0, 0.0]), 0.5);
+        assert_eq!(reversal_fraction([1.0; 5]), 0.0);
+        assert_eq!(reversal_fraction([]), 0.0);
     }
 }

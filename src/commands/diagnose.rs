@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_verdict_says_what_remains_and_no_number_where_there_is_none() {
+    fn a_verdict_states_what_remains_and_no_number_where_there_is_none() {
         let mut d = diagnosis();
         (d.verdict, d.effects, d.balance) = (Verdict::Unexplained, Vec::new(), "none");
         d.remainder = "a systematic misfit of 12.0 Pa rms remains".to_owned();

@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parameter_of_an_effect_is_said_in_words_and_in_the_standard_s_unit() {
+    fn a_parameter_of_an_effect_is_named_in_words_with_the_standard_s_unit() {
         let q = Quantity::of("leakage.conductance_m3_per_s_pa", "m3/(s.Pa)", 3e-12);
         assert_eq!(q.name, "leakage: sonic conductance C of the leak");
         assert_eq!(q.text(3e-12, 3), "300\u{a0}mm³/(s·bar)");

@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_move_that_the_positions_are_read_too_seldom_to_show_is_told() {
+    fn a_move_that_the_positions_are_read_too_seldom_to_show_is_reported() {
         let time_s: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
         let mut random = Random::new(9);
         // Twice in 0.2 s, read every 0.12 s.

@@ -161,8 +161,8 @@ pub trait Effect {
         reading
     }
 
-    /// Whether the sensor's characteristic has kinks: [`Effect::reading_kink`]. Such an effect follows the others on the reading, and
-    /// between its kinks [`Effect::reading`] is linear in the reading.
+    /// Whether the sensor's characteristic has kinks: [`Effect::reading_kink`]. Such an effect follows the others on the reading,
+    /// and between its kinks [`Effect::reading`] is linear in the reading.
     const HAS_READING_KINKS: bool = false;
 
     /// First reading after `from` and before `to`, Pa, at which the characteristic has a kink; `to` if there is none.

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn each_end_has_the_moments_of_the_modes_it_stands_for() {
+    fn each_end_mode_has_the_moments_of_the_modes_it_replaces() {
         // Fifty more modes of the trapezoidal rule on each side leave less than rounding: Σ c μ^power.
         let sum = |power: i32, exponents: std::ops::Range<i32>| -> f64 {
             exponents.map(|j| RATIO.powi(j)).map(|rate| LOGARITHM / PI * rate.sqrt() * rate.powi(power)).sum()

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_position_s_derivative_takes_the_velocity_s_place() {
+    fn the_position_s_derivative_replaces_the_velocity() {
         let mut u = moving();
         u.set_derivative(input::POSITION, 1, -0.04);
         u.set_derivative(input::POSITION, 2, 0.02);

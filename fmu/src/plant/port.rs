@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_choked_port_flows_as_its_conductance_says() {
+    fn the_flow_of_a_choked_port_is_given_by_its_conductance() {
         let [mass, enthalpy] = port(7e5).flow(&at(1e5));
         assert!((mass / (1e-9 * 7e5 * 1.185) - 1.0).abs() < 1e-14);
         assert!((enthalpy / (mass * 1.4 * 287.0 / 0.4 * 293.15) - 1.0).abs() < 1e-14);

@@ -288,10 +288,10 @@ impl Simulation {
     /// If no accurate step exists.
     pub fn step(&mut self, h: f64) -> Result<(), Fault> {
         if self.motion_source == MotionSource::Host {
-            return self.step_on(h);
+            return self.step_with_inputs(h);
         }
         let before = self.clone();
-        let outcome = self.step_by_default(h);
+        let outcome = self.step_with_default_motion(h);
         if outcome.is_err() {
             *self = before;
         }
@@ -299,23 +299,23 @@ impl Simulation {
     }
 
     /// A step of the default experiment, split where it changes within the step.
-    fn step_by_default(&mut self, h: f64) -> Result<(), Fault> {
+    fn step_with_default_motion(&mut self, h: f64) -> Result<(), Fault> {
         let end = self.time + h;
         if let Some(change) = self.default_motion_change().filter(|change| *change < end) {
             if change > self.time {
                 self.apply_default_motion();
-                self.step_on(change - self.time)?;
+                self.step_with_inputs(change - self.time)?;
             }
             self.motion_source = MotionSource::Hold;
         }
         self.apply_default_motion();
-        self.step_on(end - self.time)?;
+        self.step_with_inputs(end - self.time)?;
         self.time = end;
         self.apply_default_motion();
         Ok(())
     }
 
-    fn step_on(&mut self, h: f64) -> Result<(), Fault> {
+    fn step_with_inputs(&mut self, h: f64) -> Result<(), Fault> {
         if self.gas.hold(&self.plant, &self.inputs, h) {
             self.inputs.advance(h);
             self.inputs.now[input::POSITION] = self.gas.position;

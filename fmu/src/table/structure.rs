@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn the_volume_depends_on_the_position_or_the_way_of_the_piston_alone() {
+    fn the_volume_depends_on_the_position_or_the_travel_of_the_piston_alone() {
         let outputs = between_steps(|role| matches!(role, Role::Output(_)));
         assert_eq!(names(&outputs, Role::Output(output::VOLUME)), ["position", "travel"]);
     }

@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wanted_names_are_the_header_wherever_it_stands() {
+    fn the_wanted_names_identify_the_header_in_any_line() {
         let text = "a,b,c\nt,p,x\nseconds passed,pressure seen,way\n0,1,2\n1,1,2\n";
         let found = find(text, &["t", "x"]);
         assert_eq!((found.header, found.first_row), (Some(2), 4));

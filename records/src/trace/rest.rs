@@ -1,6 +1,6 @@
 //! Finds the rest before the first movement, separated from it by the position's own noise.
 
-use crate::statistics::{extremes, median, turned_back, white_noise};
+use crate::statistics::{extremes, median, reversal_fraction, white_noise};
 
 /// Movements below this fraction of the travel count as rest.
 const REST_FRACTION: f64 = 1e-3;
@@ -31,7 +31,8 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
     let travel = travel(position_m);
     let noise = white_noise(position_m);
-    let is_motion = noise > MOST_NOISE * travel && turned_back(position_m.iter().copied()) <= MAX_REVERSED_FRACTION;
+    let is_motion =
+        noise > MOST_NOISE * travel && reversal_fraction(position_m.iter().copied()) <= MAX_REVERSED_FRACTION;
     let noise = if is_motion { 0.0 } else { noise };
     (DEVIATIONS * noise).max(REST_FRACTION * travel)
 }

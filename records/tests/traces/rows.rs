@@ -36,7 +36,7 @@ fn spoiled(spoil: impl Fn(usize, &mut Vec<String>)) -> String {
 }
 
 #[test]
-fn single_bad_rows_are_left_out_and_named() {
+fn single_bad_rows_are_dropped_and_named() {
     for (bad, says) in [
         ("0.50,,0.1", "column `pressure_pa`: `` is not a number, the field is empty"),
         ("0.50,NaN,0.1", "column `pressure_pa`: `NaN` is not a finite number"),

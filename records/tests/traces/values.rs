@@ -24,7 +24,7 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
 }
 
 #[test]
-fn a_mark_of_no_reading_is_left_out_of_every_column() {
+fn a_row_with_a_mark_of_no_reading_in_any_column_is_dropped() {
     let row = |k: usize| format!("{},{},0.1", 0.01 * k as f64, 101_300 + k % 7);
     for marked in ["0.5,9.9E37,0.1", "0.5,-9.9E37,0.1", "0.5,101300,9.90000015E+37", "9.91E37,101300,0.1"] {
         let mut rows: Vec<String> = (0..100).map(row).collect();

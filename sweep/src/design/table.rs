@@ -185,7 +185,7 @@ impl Table {
         Ok(())
     }
 
-    /// Refuses a value not allowed in the column at this index among those in use; `place` describes its location.
+    /// Refuses a value not allowed in the column at this index among those in use; `location` describes where it is.
     fn check_allowed(&self, column: usize, value: f64, location: impl FnOnce() -> String) -> Result<(), Error> {
         match self.allowed.get(column).filter(|allowed| !allowed.contains(value)) {
             None => Ok(()),

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_get_their_correlations_and_stay_uniform() {
+    fn probabilities_get_their_correlations_and_stay_uniform() {
         let correlation = matrix([[1.0, 0.8, -0.3], [0.8, 1.0, 0.1], [-0.3, 0.1, 1.0]]);
         let copula = Copula::new(vec![2, 0, 1], &correlation).unwrap();
         let n = 100_000;

@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_distribution_without_ends_is_drawn_from_as_far_as_doubles_tell_shares_apart() {
+    fn a_distribution_without_ends_is_drawn_from_as_far_as_doubles_resolve_probabilities() {
         let bounds = Distribution::Normal { mean: 0.0, sd: 1.0, limits: FREE }.bounds();
         assert!((-8.3..-8.1).contains(bounds.start()) && (8.1..8.3).contains(bounds.end()), "{bounds:?}");
     }

@@ -129,7 +129,7 @@ mod tests {
     const ANY: Allowed = Allowed::AtLeast(0.0);
 
     #[test]
-    fn the_interval_says_on_which_scale_a_parameter_was_fitted() {
+    fn the_interval_shows_on_which_scale_a_parameter_was_fitted() {
         let (value, sd) = (30.0f64, 6.0f64);
         let logarithmic = [value / (NORMAL_95 * sd / value).exp(), value * (NORMAL_95 * sd / value).exp()];
         assert!(matches!(margin(value, sd, logarithmic, &ANY), Distribution::LogNormal { median: 30.0, .. }));

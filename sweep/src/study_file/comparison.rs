@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_constraint_is_said() {
+    fn what_is_no_constraint_is_refused_with_the_reason() {
         for (text, expected) in [
             ("", "ends; expected a number or a quantity"),
             ("1", "compares nothing"),

@@ -198,7 +198,7 @@ fn bytes_of_traces(folder: &std::path::Path) -> String {
 }
 
 #[test]
-fn results_that_an_older_manifest_does_not_name_are_told() {
+fn results_that_an_older_manifest_does_not_name_are_reported() {
     let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
     run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let path = folder.path().join("manifest.json");

@@ -139,7 +139,7 @@ mod tests {
     use chamber::effects::{self, NaturalConvection};
 
     #[test]
-    fn a_kink_at_which_the_chamber_rests_is_left_without_an_event() {
+    fn leaving_a_kink_at_which_the_chamber_rests_is_no_event() {
         let mut starts = Starts::default();
         starts.parameters.choices.stroke_input = StrokeInput::Velocity;
         // Free convection: its coefficient has a kink at T = Tw, the state of a chamber at rest.
