@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A folder in a bucket.
 pub struct Bucket {
-    place: PathBuf,
+    location: PathBuf,
     prefix: Key,
     store: AmazonS3,
     runtime: Runtime,
@@ -37,10 +37,10 @@ impl Bucket {
     ///
     /// # Errors
     /// The address is invalid, or there are no credentials.
-    pub fn open(place: &Path) -> anyhow::Result<Self> {
+    pub fn open(location: &Path) -> anyhow::Result<Self> {
         // Another library in this process may have chosen one already, which is also suitable.
         let _ = rustls::crypto::ring::default_provider().install_default();
-        let url = place.to_str().unwrap_or_default();
+        let url = location.to_str().unwrap_or_default();
         let path = url.strip_prefix("s3://").and_then(|rest| rest.split_once('/'));
         let prefix = path.map(|(_, prefix)| prefix).filter(|prefix| !prefix.is_empty());
         let prefix = prefix.with_context(|| format!("{url}: expected s3://bucket/prefix"))?;
@@ -52,7 +52,7 @@ impl Bucket {
         let is_signed = builder.get_config_value(&AmazonS3ConfigKey::SkipSignature).as_deref() != Some("true");
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
         let bucket = Self {
-            place: place.to_owned(),
+            location: location.to_owned(),
             prefix: Key::parse(prefix).with_context(|| url.to_owned())?,
             store: builder.build().map_err(io_error).with_context(|| url.to_owned())?,
             runtime: runtime.context("threads cannot be started")?,
@@ -109,8 +109,8 @@ fn some<T>(result: Result<T, Error>) -> io::Result<Option<T>> {
 }
 
 impl Store for Bucket {
-    fn place(&self) -> &Path {
-        &self.place
+    fn location(&self) -> &Path {
+        &self.location
     }
 
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>> {

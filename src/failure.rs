@@ -8,7 +8,7 @@ pub fn report(error: &anyhow::Error) -> u8 {
         return 0;
     }
     // A closed standard error is ignored.
-    let _ = writeln!(io::stderr(), "error: {}", sentence(error));
+    let _ = writeln!(io::stderr(), "error: {}", error_message(error));
     1
 }
 
@@ -17,17 +17,17 @@ fn is_closed_pipe(error: &(dyn std::error::Error + 'static)) -> bool {
 }
 
 /// The chain of causes as one sentence, without causes contained in the text so far.
-pub fn sentence(error: &anyhow::Error) -> String {
-    let mut told = String::new();
+pub fn error_message(error: &anyhow::Error) -> String {
+    let mut message = String::new();
     for cause in error.chain() {
         let text = cause.to_string();
-        if told.is_empty() {
-            told = text;
-        } else if !told.contains(&text) {
-            told = format!("{told}: {text}");
+        if message.is_empty() {
+            message = text;
+        } else if !message.contains(&text) {
+            message = format!("{message}: {text}");
         }
     }
-    told
+    message
 }
 
 #[cfg(test)]
@@ -35,10 +35,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cause_already_told_is_not_told_again() {
+    fn a_cause_contained_in_the_message_is_not_repeated() {
         let inner = anyhow::anyhow!("no such file");
-        assert_eq!(sentence(&inner.context("a.csv: no such file")), "a.csv: no such file");
+        assert_eq!(error_message(&inner.context("a.csv: no such file")), "a.csv: no such file");
         let inner = anyhow::anyhow!("no such file");
-        assert_eq!(sentence(&inner.context("a.csv: cannot be read")), "a.csv: cannot be read: no such file");
+        assert_eq!(error_message(&inner.context("a.csv: cannot be read")), "a.csv: cannot be read: no such file");
     }
 }

@@ -22,7 +22,7 @@ pub mod simulation;
 pub mod stores;
 pub mod study_pictures;
 
-pub use failure::sentence;
+pub use failure::error_message;
 
 use clap::Parser;
 use std::ffi::OsString;

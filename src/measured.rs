@@ -2,7 +2,7 @@
 //! stroke is linear between rows. Outliers are left out as in `pneutherm validate`.
 
 use crate::other_rig;
-use crate::simulation::course::along_record;
+use crate::simulation::motion_run::along_record;
 use anyhow::Context;
 use chamber::signals::Signals;
 use chamber::simulate::{Sample, Start};
@@ -19,16 +19,16 @@ use std::collections::HashMap;
 /// For a record without pressure, or one that the model cannot be integrated along.
 pub fn validations(model: &Model, rig: &Rig) -> anyhow::Result<(Vec<Validation>, Vec<String>)> {
     let followed = rig.traces().map(|record| Followed::of(model, rig, record)).collect::<anyhow::Result<Vec<_>>>()?;
-    let (left_out, not_looked_for) = match left_out(rig, &followed) {
+    let (excluded, why_not_searched) = match outliers_by_record(rig, &followed) {
         Ok(rows) => (rows, None),
         Err(why) => (vec![Vec::new(); followed.len()], Some(format!("readings far off are not looked for: {why}"))),
     };
-    let notes = followed.iter().zip(&left_out).filter_map(|(f, rows)| {
+    let notes = followed.iter().zip(&excluded).filter_map(|(f, rows)| {
         let Trace { path, lines, time_s, .. } = f.record;
         far_off::sentence(path, rows, lines, time_s)
     });
-    let notes = not_looked_for.into_iter().chain(notes).collect();
-    Ok((followed.into_iter().zip(&left_out).map(|(f, rows)| f.validation(model, rows)).collect(), notes))
+    let notes = why_not_searched.into_iter().chain(notes).collect();
+    Ok((followed.into_iter().zip(&excluded).map(|(f, rows)| f.validation(model, rows)).collect(), notes))
 }
 
 /// Notes on the errors: rows left out, and reasons why a model's error is not that of a prediction.
@@ -58,9 +58,9 @@ impl<'a> Followed<'a> {
     }
 
     /// The record's data for the FMU, without the pressures of some rows.
-    fn validation(self, model: &Model, left_out: &[usize]) -> Validation {
+    fn validation(self, model: &Model, excluded: &[usize]) -> Validation {
         let Self { record, pressure_pa, signals, start, residuals } = self;
-        let rows: Vec<usize> = (0..record.len()).filter(|row| left_out.binary_search(row).is_err()).collect();
+        let rows: Vec<usize> = (0..record.len()).filter(|row| excluded.binary_search(row).is_err()).collect();
         let squares: f64 = rows.iter().map(|&row| residuals[row].powi(2)).sum();
         let begin = record.time_s[0];
         let name = record.path.file_name().unwrap_or(record.path.as_os_str());
@@ -79,7 +79,7 @@ impl<'a> Followed<'a> {
 
 /// Outliers of each record, by row, or the reason why they are not searched for: records that cannot be prepared for a
 /// comparison, which `validate` refuses.
-fn left_out(rig: &Rig, followed: &[Followed<'_>]) -> Result<Vec<Vec<usize>>, String> {
+fn outliers_by_record(rig: &Rig, followed: &[Followed<'_>]) -> Result<Vec<Vec<usize>>, String> {
     let data = Data::prepare(rig).map_err(|error| error.to_string())?;
     let (prepared, all) = (data.traces.len(), followed.len());
     if prepared != all {

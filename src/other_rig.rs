@@ -75,6 +75,6 @@ fn differences(model: &Model, rig: &Rig) -> Vec<String> {
 }
 
 /// Whether the larger number exceeds the smaller one by more than this fraction.
-fn differs(a: f64, b: f64, share: f64) -> bool {
-    a.max(b) > (1.0 + share) * a.min(b)
+fn differs(a: f64, b: f64, tolerance: f64) -> bool {
+    a.max(b) > (1.0 + tolerance) * a.min(b)
 }

@@ -26,7 +26,7 @@ pub fn is_stdout_taken<const N: usize>(asked: [&Option<PathBuf>; N]) -> bool {
     asked.into_iter().flatten().any(|path| is_stdout(path))
 }
 
-/// Refuses, before any work, results that cannot be written: to a protected place, over an input, or two to one file.
+/// Refuses, before any work, results that cannot be written: to a protected location, over an input, or two to one file.
 pub fn check<'a>(
     results: impl IntoIterator<Item = &'a PathBuf>,
     inputs: impl IntoIterator<Item = &'a Path>,
@@ -38,7 +38,7 @@ pub fn check<'a>(
     // A device such as /dev/null takes any number of results.
     let is_device = |path: &Path| path.exists() && !path.is_file() && !path.is_dir();
     let results = results.into_iter().filter(|path| !is_device(path));
-    let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), place(path))).collect();
+    let results: Vec<(&Path, PathBuf)> = results.map(|path| (path.as_path(), resolved(path))).collect();
     for (nth, (path, at)) in results.iter().enumerate() {
         if results[..nth].iter().any(|(_, other)| other == at) {
             match is_stdout(path) {
@@ -47,7 +47,7 @@ pub fn check<'a>(
             }
         }
     }
-    let inputs: Vec<PathBuf> = inputs.into_iter().map(place).collect();
+    let inputs: Vec<PathBuf> = inputs.into_iter().map(resolved).collect();
     match results.iter().find(|(_, at)| inputs.contains(at)) {
         Some((path, _)) => {
             bail!("{}: not written, because it is read by this command; name another file", path.display())
@@ -70,7 +70,7 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// A unique path for each file, however it is named; also for a new file, if its folder exists.
-fn place(path: &Path) -> PathBuf {
+fn resolved(path: &Path) -> PathBuf {
     let of_folder = || Some(folder(path).canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(of_folder).unwrap_or_else(|| path.to_owned())
 }
@@ -87,9 +87,9 @@ pub fn print(bytes: &[u8]) -> anyhow::Result<()> {
     out.write_all(bytes).and_then(|()| out.flush()).context("standard output cannot be written")
 }
 
-/// A line about the model's effects left out in this use, if any.
-pub fn left_out(effects: EffectSet) -> Option<String> {
-    let names: Vec<&str> = effects::all().filter(|(place, _)| effects.has(*place)).map(|(_, card)| card.name).collect();
+/// A line about the effects of the model that this use excludes, if any.
+pub fn excluded_effects(effects: EffectSet) -> Option<String> {
+    let names: Vec<&str> = effects::all().filter(|(index, _)| effects.has(*index)).map(|(_, card)| card.name).collect();
     let reason = "it belongs to a recorded stroke, and here the stroke is exact";
     (!names.is_empty()).then(|| format!("left out of the model: {} ({reason})\n", names.join(", ")))
 }

@@ -57,19 +57,19 @@ impl Settings {
     }
 }
 
-/// JSON as TOML; `place` is its location, for error messages: `rig: `, `rig: cylinder`.
-fn table(entries: Map<String, Value>, place: &str) -> anyhow::Result<toml::Table> {
-    let dot = if place.ends_with(' ') { "" } else { "." };
+/// JSON as TOML; `key_path` is its location, for error messages: `rig: `, `rig: cylinder`.
+fn table(entries: Map<String, Value>, key_path: &str) -> anyhow::Result<toml::Table> {
+    let dot = if key_path.ends_with(' ') { "" } else { "." };
     let entry = |(key, value): (String, Value)| {
-        let value = toml_value(value, &format!("{place}{dot}{key}"))?;
+        let value = toml_value(value, &format!("{key_path}{dot}{key}"))?;
         Ok((key, value))
     };
     entries.into_iter().map(entry).collect()
 }
 
-fn toml_value(value: Value, place: &str) -> anyhow::Result<toml::Value> {
+fn toml_value(value: Value, key_path: &str) -> anyhow::Result<toml::Value> {
     Ok(match value {
-        Value::Null => bail!("{place}: has no value (None)"),
+        Value::Null => bail!("{key_path}: has no value (None)"),
         Value::Bool(flag) => flag.into(),
         Value::Number(number) => match number.as_i64() {
             Some(whole) => whole.into(),
@@ -77,10 +77,10 @@ fn toml_value(value: Value, place: &str) -> anyhow::Result<toml::Value> {
         },
         Value::String(text) => text.into(),
         Value::Array(items) => {
-            let items = items.into_iter().map(|item| toml_value(item, place));
+            let items = items.into_iter().map(|item| toml_value(item, key_path));
             toml::Value::Array(items.collect::<anyhow::Result<_>>()?)
         }
-        Value::Object(entries) => table(entries, place)?.into(),
+        Value::Object(entries) => table(entries, key_path)?.into(),
     })
 }
 

@@ -8,27 +8,27 @@ use sweep::{Local, Store};
 ///
 /// # Errors
 /// If the location is invalid.
-pub fn open(place: &Path) -> anyhow::Result<Box<dyn Store>> {
-    let Some((scheme, rest)) = place.to_str().and_then(|text| text.split_once("://")) else {
-        return Ok(Box::new(Local::new(place)));
+pub fn open(location: &Path) -> anyhow::Result<Box<dyn Store>> {
+    let Some((scheme, rest)) = location.to_str().and_then(|text| text.split_once("://")) else {
+        return Ok(Box::new(Local::new(location)));
     };
     match scheme {
         "file" if rest.starts_with('/') => Ok(Box::new(Local::new(Path::new(rest)))),
-        "file" => bail!("{}: expected file:///path with the whole path", place.display()),
-        "s3" => bucket(place),
-        _ => bail!("{}: expected a folder, file:///path or s3://bucket/prefix", place.display()),
+        "file" => bail!("{}: expected file:///path with the whole path", location.display()),
+        "s3" => bucket(location),
+        _ => bail!("{}: expected a folder, file:///path or s3://bucket/prefix", location.display()),
     }
 }
 
 #[cfg(feature = "object-store")]
-fn bucket(place: &Path) -> anyhow::Result<Box<dyn Store>> {
-    Ok(Box::new(crate::bucket::Bucket::open(place)?))
+fn bucket(location: &Path) -> anyhow::Result<Box<dyn Store>> {
+    Ok(Box::new(crate::bucket::Bucket::open(location)?))
 }
 
 #[cfg(not(feature = "object-store"))]
-fn bucket(place: &Path) -> anyhow::Result<Box<dyn Store>> {
+fn bucket(location: &Path) -> anyhow::Result<Box<dyn Store>> {
     bail!(
         "{}: this build knows folders only; `cargo install --path . --features object-store` builds one that knows s3://",
-        place.display()
+        location.display()
     )
 }

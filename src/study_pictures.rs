@@ -27,12 +27,12 @@ const PICTURES: [(&str, &str, Draw); 2] =
 pub fn write(store: &dyn Store, results: &[&str]) -> Result<Vec<&'static str>> {
     let mut written = Vec::new();
     for (source, name, draw) in PICTURES.iter().filter(|(source, ..)| results.contains(source)) {
-        let place = |name: &str| store.place().join(name).display().to_string();
-        let Some(text) = store.read(source).with_context(|| place(source))? else { continue };
+        let path = |name: &str| store.location().join(name).display().to_string();
+        let Some(text) = store.read(source).with_context(|| path(source))? else { continue };
         let Some(picture) = draw(&serde_json::from_slice(&text)?)? else { continue };
         // A finished study does not require a writable folder.
-        if store.read(name).with_context(|| place(name))?.as_deref() != Some(picture.as_bytes()) {
-            store.write(name, picture.as_bytes()).with_context(|| place(name))?;
+        if store.read(name).with_context(|| path(name))?.as_deref() != Some(picture.as_bytes()) {
+            store.write(name, picture.as_bytes()).with_context(|| path(name))?;
         }
         written.push(*name);
     }
@@ -79,7 +79,7 @@ fn steps(histogram: &Value) -> Vec<(f64, f64)> {
 
 /// Distribution function of a result from its quantiles, from the smallest to the largest value.
 fn distribution(column: &Value) -> Vec<(f64, f64)> {
-    let extreme = |key: &str, share: f64| column[key]["value"].as_f64().map(|value| (value, share));
+    let extreme = |key: &str, probability: f64| column[key]["value"].as_f64().map(|value| (value, probability));
     let quantiles = column["quantiles"].as_array().into_iter().flatten();
     let quantiles = quantiles.filter_map(|q| Some((q["value"].as_f64()?, q["probability"].as_f64()?)));
     let mut points: Vec<(f64, f64)> = extreme("minimum", 0.0).into_iter().chain(quantiles).collect();

@@ -5,7 +5,7 @@
 //! any integrator.
 //! [`pressure_temperature_rates`] is the paper's own form, for comparison.
 
-pub use crate::parts::{Boundary, Conditions, Contents, Course, Flows, Rates, Surroundings, Tight};
+pub use crate::parts::{Boundary, Conditions, Contents, Flows, PressureTrend, Rates, Surroundings, Tight};
 
 use crate::effects::{self, EffectConstants, EffectSet, OWN_STATES};
 use crate::gas::Gas;
@@ -109,13 +109,13 @@ impl<R: Real> Balances<R> {
             area: [R::ZERO; 2],
             constants: [R::ZERO; effects::COUNT],
         };
-        balance.work_out();
+        balance.recompute_constants();
         balance
     }
 
     /// Recomputes the constants after its chamber was changed in place: lanes of chambers are too large to move.
     #[inline(always)]
-    pub fn work_out(&mut self) {
+    pub fn recompute_constants(&mut self) {
         let Gas { gas_constant, heat_capacity_ratio } = self.chamber.gas;
         let expansion = heat_capacity_ratio - 1.0;
         let [per_expansion, per_gas_constant] = reciprocals([expansion, gas_constant]);
@@ -151,7 +151,7 @@ impl<R: Real> Balances<R> {
     pub fn decays<const N: usize>(&self, set: EffectSet, boundary: &Boundary<R>, state: &[R; N]) -> [R; N] {
         let at = self.conditions(set, boundary, &self.contents(boundary, state));
         let own = self.chamber.effects.decays(set, &at);
-        core::array::from_fn(|i| i.checked_sub(OWN).map_or(R::ZERO, |place| own[place]))
+        core::array::from_fn(|i| i.checked_sub(OWN).map_or(R::ZERO, |index| own[index]))
     }
 
     /// Contents of the chamber in the given state.
@@ -288,26 +288,26 @@ impl<R: Real> Balances<R> {
 
         let mut volume_rate = at.piston_area * at.velocity;
         // dV/dP, m³/Pa, and the factor by which it reduces the pressure's rate.
-        let (mut by_pressure, mut give) = (R::ZERO, R::ONE);
+        let (mut by_pressure, mut compliance_factor) = (R::ZERO, R::ONE);
         let volumetric = chamber.effects.is_volumetric(set);
         if volumetric {
-            let [factor, by_position, share_by_pressure] = self.volume_at(set, contents.volume, at.pressure);
+            let [factor, by_position, factor_by_pressure] = self.volume_at(set, contents.volume, at.pressure);
             volume_rate = volume_rate * factor + contents.volume * by_position * at.velocity;
-            by_pressure = contents.volume * share_by_pressure;
-            give = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
+            by_pressure = contents.volume * factor_by_pressure;
+            compliance_factor = (R::ONE + (at.expansion + 1.0) * at.pressure * by_pressure * at.per_volume).recip();
         }
         let mut work = at.pressure * volume_rate;
         if !S::TIGHT && !set.intersection(effects::STORING).is_empty() {
             let [_, for_pressure] = self.enthalpy(set, &at, &flows);
             let unstored = at.pressure_rate(heat_flow + for_pressure, work);
-            let rate = if volumetric { unstored * give } else { unstored };
+            let rate = if volumetric { unstored * compliance_factor } else { unstored };
             let excess = self.excess_of_ambient(set, &at);
-            chamber.effects.storage(set, &at, &Course { rate, give, excess }, &mut flows);
+            chamber.effects.storage(set, &at, &PressureTrend { rate, compliance_factor, excess }, &mut flows);
         }
 
         let [enthalpy_flow, for_pressure] = if S::TIGHT { [R::ZERO; 2] } else { self.enthalpy(set, &at, &flows) };
         let pressure_rate = at.pressure_rate(heat_flow + for_pressure, work);
-        let pressure_rate = if volumetric { pressure_rate * give } else { pressure_rate };
+        let pressure_rate = if volumetric { pressure_rate * compliance_factor } else { pressure_rate };
         if volumetric {
             work += at.pressure * by_pressure * pressure_rate;
         }
@@ -420,7 +420,7 @@ mod tests {
 
     #[test]
     fn heat_that_comes_out_of_the_wall_at_once_is_missing_there() {
-        let (wall, zones) = (WallHeating::PLACE, GasZones::PLACE);
+        let (wall, zones) = (WallHeating::INDEX, GasZones::INDEX);
         let chamber = section_31(AreaLaw::Total).with(wall, &[2.0, 0.0]).with(zones, &[0.3, 0.1]);
         let (set, at) = (chamber.active(), Boundary::closed(0.05, 293.0, 1.013e5));
         let balance = Balances::of(chamber);
@@ -439,7 +439,7 @@ mod tests {
     }
 
     /// A chamber with the effects in `set` at typical values, a boundary with flows and a moving piston, and its states.
-    fn breathing(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
+    fn with_flow_and_motion(set: EffectSet) -> (Chamber, Boundary, [f64; STATES]) {
         let chamber = section_31(AreaLaw::Total).with_typical(set);
         let boundary = Boundary {
             velocity: -0.5,
@@ -456,21 +456,21 @@ mod tests {
     fn one_over_the_mean_temperature_is_that_whatever_the_gas_is_like() {
         let like = effects::CALORIC.union(effects::VOLUMETRIC);
         for set in like.iter().map(EffectSet::one).chain([EffectSet::NONE, like]) {
-            let (chamber, boundary, state) = breathing(set);
+            let (chamber, boundary, state) = with_flow_and_motion(set);
             let (at, ..) = Balances::of(chamber).evaluate(set, &boundary, &state);
             assert!((at.per_temperature() * at.temperature - 1.0).abs() < 1e-13, "{set:?}");
         }
     }
 
     #[test]
-    fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_the_chamber_breathes() {
-        let zones = GasZones::PLACE;
+    fn the_core_of_the_gas_keeps_its_balance_of_enthalpy_while_gas_flows_and_the_piston_moves() {
+        let zones = GasZones::INDEX;
         for set in [GasZones::SET, GasZones::SET.union(effects::CALORIC)] {
-            let (chamber, boundary, mut state) = breathing(set);
-            let place = OWN + effects::STATE_OFFSETS[zones];
-            state[place] = 330.0;
+            let (chamber, boundary, mut state) = with_flow_and_motion(set);
+            let index = OWN + effects::STATE_OFFSETS[zones];
+            state[index] = 330.0;
             let (at, rates, own) = Balances::of(chamber).evaluate(set, &boundary, &state);
-            let (core, rate) = (state[place], own[place - OWN]);
+            let (core, rate) = (state[index], own[index - OWN]);
             let [fraction, conductance] = [chamber.effects.of(zones)[0], chamber.effects.of(zones)[1]];
             let rest = (at.temperature - fraction * core) / (1.0 - fraction);
             let volume = fraction * at.mass * at.gas_constant * core / at.pressure;

@@ -201,7 +201,7 @@ pub enum Kind {
     /// One of these words, numbered from one; zero for none.
     Word(&'static [&'static str]),
     /// An entry of a list; parameters of the same name form the list.
-    Place {
+    ListEntry {
         /// Its index in the list, from zero.
         index: usize,
         /// Whether each entry must exceed the one before it.
@@ -269,7 +269,7 @@ impl Parameter {
     /// Key in files and columns, with the unit's suffix: `conductance_m3_per_s_pa`; for a list entry, `values[1]`.
     pub fn key(&self) -> String {
         match (self.kind, self.unit.suffix()) {
-            (Kind::Place { index, .. }, _) => format!("{}[{}]", self.name, index + 1),
+            (Kind::ListEntry { index, .. }, _) => format!("{}[{}]", self.name, index + 1),
             (_, Some(suffix)) => format!("{}_{suffix}", self.name),
             (_, None) => self.name.to_owned(),
         }
@@ -280,7 +280,7 @@ impl Parameter {
         match self.kind {
             Kind::Number => true,
             Kind::Word(_) => false,
-            Kind::Place { rising, .. } => !rising,
+            Kind::ListEntry { rising, .. } => !rising,
         }
     }
 }

@@ -35,7 +35,7 @@ impl Gas<f64> {
         let is_this = |known: &Gas| {
             near(self.gas_constant, known.gas_constant) && near(self.heat_capacity_ratio, known.heat_capacity_ratio)
         };
-        Gas::NAMED.iter().position(|(_, known)| is_this(known)).map(|place| Gas::SLOPES[place])
+        Gas::NAMED.iter().position(|(_, known)| is_this(known)).map(|index| Gas::SLOPES[index])
     }
 
     /// The gas of that name, if it is one of [`Gas::NAMED`].

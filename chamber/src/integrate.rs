@@ -11,10 +11,10 @@ pub trait System<R, const N: usize> {
     /// dy/dt at time `t`.
     fn rates(&self, t: f64, y: &[R; N]) -> [R; N];
 
-    /// First time, s, at which the rates have a corner within a step; none by default. Steps are made to end there, because error
-    /// estimates miss a corner inside a step.
+    /// First time, s, at which the rates have a kink within a step; none by default. Steps are made to end there, because error
+    /// estimates miss a kink inside a step.
     #[inline(always)]
-    fn corner(&self, _: &Step<R, N>) -> Option<f64> {
+    fn kink(&self, _: &Step<R, N>) -> Option<f64> {
         None
     }
 }
@@ -217,7 +217,7 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
         self
     }
 
-    /// Integrates to `end`, s, over an interval on which the system is smooth except for its corners; passes each accepted step
+    /// Integrates to `end`, s, over an interval on which the system is smooth except for its kinks; passes each accepted step
     /// to `on_step`.
     ///
     /// # Errors
@@ -264,8 +264,8 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
             let mut h = if is_last { left } else { length.min(0.5 * left) };
             step.attempt(system, self.time, h, &mut self.decays);
             let mut error = self.error(&step);
-            let corner = if error <= most { system.corner(&step) } else { None };
-            if let Some(at) = corner {
+            let kink = if error <= most { system.kink(&step) } else { None };
+            if let Some(at) = kink {
                 (is_last, h) = (false, at - self.time);
                 step.attempt(system, self.time, h, &mut self.decays);
                 error = self.error(&step);
@@ -276,8 +276,8 @@ impl<R: Scalar, const N: usize> Integrator<R, N> {
                 on_step(&step);
                 step.go_on();
                 let factor = (SAFETY * error.max(1e-10).powf(-0.2)).clamp(SHRINK, if rejected { 1.0 } else { GROW });
-                // A step cut short by the end or a corner is no reason to drop the longer planned one.
-                self.step = if is_last || corner.is_some() { self.step.max(h * factor) } else { h * factor };
+                // A step cut short by the end or a kink is no reason to drop the longer planned one.
+                self.step = if is_last || kink.is_some() { self.step.max(h * factor) } else { h * factor };
                 rejected = false;
                 if is_last && until == end {
                     return Ok(());

@@ -22,7 +22,6 @@
 
 pub mod balance;
 pub mod card;
-mod corner;
 pub mod decay;
 pub mod dual;
 pub mod effects;
@@ -31,6 +30,7 @@ pub mod gas;
 pub mod geometry;
 pub mod heat_transfer;
 pub mod integrate;
+mod kink;
 pub mod paper;
 pub mod papers_chamber;
 mod parts;

@@ -107,13 +107,13 @@ impl<R: Real> Conditions<R> {
     }
 }
 
-/// Course of the pressure without gas storage beside the chamber.
+/// Trend of the pressure without gas storage beside the chamber.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<R> {
+pub struct PressureTrend<R> {
     /// Rate of the pressure, Pa/s.
     pub rate: R,
     /// Factor by which a pressure-dependent volume reduces the pressure's response to a flow; 1 for a volume independent of it.
-    pub give: R,
+    pub compliance_factor: R,
     /// Excess temperature, K, of gas from the surroundings, as it acts on the pressure where the heat capacity depends on
     /// temperature.
     pub excess: R,

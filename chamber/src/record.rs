@@ -4,9 +4,9 @@
 //! each step. Time in s, pressure in Pa.
 
 use crate::balance::Boundary;
-use crate::corner;
 use crate::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use crate::integrate::{IntegrationError, Integrator, Step, System};
+use crate::kink;
 use crate::model::Chamber;
 use crate::real::Scalar;
 use std::cell::Cell;
@@ -26,7 +26,7 @@ pub trait Inputs<R> {
     fn boundary(&self, stretch: usize, time: f64) -> Boundary<R>;
 
     /// Changes the state at the end of a stretch, for events that the balances do not describe.
-    fn behind<const N: usize>(&self, _stretch: usize, _state: &mut [R; N]) {}
+    fn after_stretch<const N: usize>(&self, _stretch: usize, _state: &mut [R; N]) {}
 
     /// Longest first step and longest step on a stretch, s, whose stages do not step over anything that happens there.
     fn longest_steps(&self, _stretch: usize) -> [f64; 2] {
@@ -39,9 +39,9 @@ pub trait Equations<R, const N: usize> {
     /// Rates of its states at a time, s.
     fn rates(&self, time: f64, boundary: &Boundary<R>, state: &[R; N]) -> [R; N];
 
-    /// Functions that change sign where the rates have corners; none by default.
+    /// Functions that change sign where the rates have kinks; none by default.
     #[inline(always)]
-    fn sides(&self, _: &Boundary<R>, _: &[R; N]) -> Option<[f64; effects::KINKS]> {
+    fn kink_indicators(&self, _: &Boundary<R>, _: &[R; N]) -> Option<[f64; effects::KINK_INDICATORS]> {
         None
     }
 }
@@ -67,8 +67,8 @@ impl<R: Scalar, const N: usize, I: Inputs<R>, E: Equations<R, N>> System<R, N> f
     }
 
     #[inline(always)]
-    fn corner(&self, step: &Step<R, N>) -> Option<f64> {
-        corner::first(step, |t, y| self.equations.sides(&self.inputs.boundary(self.stretch, t), y))
+    fn kink(&self, step: &Step<R, N>) -> Option<f64> {
+        kink::first(step, |t, y| self.equations.kink_indicators(&self.inputs.boundary(self.stretch, t), y))
     }
 }
 
@@ -128,12 +128,15 @@ pub fn follow<R: Scalar, const N: usize>(
         }
         let [first, longest] = inputs.longest_steps(stretch);
         (integrator.step, integrator.longest) = (integrator.step.min(first), longest);
-        let shares = planned.next().unwrap_or(&[]);
-        let place = |share: f64| if share == 1.0 { end } else { from + share * (end - from) };
+        let fractions = planned.next().unwrap_or(&[]);
+        let time_at = |fraction: f64| if fraction == 1.0 { end } else { from + fraction * (end - from) };
         let passed = Cell::new(0);
         let next = |time: f64| {
-            passed.set(passed.get() + shares[passed.get()..].iter().take_while(|share| place(**share) <= time).count());
-            shares.get(passed.get()).map(|share| place(*share))
+            passed.set(
+                passed.get()
+                    + fractions[passed.get()..].iter().take_while(|fraction| time_at(**fraction) <= time).count(),
+            );
+            fractions.get(passed.get()).map(|fraction| time_at(*fraction))
         };
         let system = OnStretch { inputs, stretch, equations: &equations };
         integrator.advance_by(&system, end, next, |step| {
@@ -141,8 +144,8 @@ pub fn follow<R: Scalar, const N: usize>(
             taken.ends.push((until - from) / (end - from));
             on_step(stretch, until, step);
         })?;
-        taken.ends.last_mut().into_iter().for_each(|share| *share = 1.0);
-        inputs.behind(stretch, &mut integrator.state);
+        taken.ends.last_mut().into_iter().for_each(|fraction| *fraction = 1.0);
+        inputs.after_stretch(stretch, &mut integrator.state);
     }
     Ok(taken)
 }

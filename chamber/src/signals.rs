@@ -52,7 +52,7 @@ impl Signals {
         let mut record = self.clone();
         record.knots.iter_mut().zip(self.slopes()).for_each(|(knot, slope)| knot.position += filter * slope);
         let recorded = |time: f64| record.knot(time).position;
-        let unaveraged = unaveraged::around(recorded, window, [begin, end], record.bends(window), false);
+        let unaveraged = unaveraged::around(recorded, window, [begin, end], record.slope_changes(window), false);
         let of_stroke = self.knots.iter().map(|knot| knot.time).chain(unaveraged.iter().flat_map(Unaveraged::knots));
         let mut times: Vec<f64> =
             self.knots.iter().map(|knot| knot.time).chain(of_stroke.map(|time| time - delay)).collect();
@@ -60,7 +60,7 @@ impl Signals {
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < SMALLEST_STRETCH * (end - begin));
         let near = Cell::new(0);
-        let stroke = |time: f64| match unaveraged::standing_at(&unaveraged, &near, time) {
+        let stroke = |time: f64| match unaveraged::containing(&unaveraged, &near, time) {
             Some(spline) => spline.at(time).derivatives[0],
             None => recorded(time),
         };
@@ -68,10 +68,10 @@ impl Signals {
         Self { knots: knots.collect(), ambient_pressure: self.ambient_pressure }
     }
 
-    /// Times, s, at which the stroke bends enough for an average over `window`, s, to show it, each as an interval of zero
-    /// length; an end of the record counts if the stroke moves there.
-    fn bends(&self, window: f64) -> impl Iterator<Item = [f64; 2]> {
-        /// Fraction of the stroke's extent: rounding bends a line by this much within a window.
+    /// Times, s, at which the slope of the stroke changes enough for an average over `window`, s, to show it, each as an
+    /// interval of zero length; an end of the record counts if the stroke moves there.
+    fn slope_changes(&self, window: f64) -> impl Iterator<Item = [f64; 2]> {
+        /// Fraction of the stroke's extent: rounding deflects a line by this much within a window.
         const ROUNDING: f64 = 1e-6;
         let [low, high] = self.knots.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], knot| {
             [low.min(knot.position), high.max(knot.position)]
@@ -81,8 +81,8 @@ impl Signals {
             (Some(from), Some(to)) => (to.position - from.position) / (to.time - from.time),
             _ => 0.0,
         };
-        let bent = move |k: &usize| (slope(k + 1) - slope(*k)).abs() * window > ROUNDING * (high - low);
-        (0..self.knots.len()).filter(bent).map(|k| [self.knots[k].time; 2])
+        let changes = move |k: &usize| (slope(k + 1) - slope(*k)).abs() * window > ROUNDING * (high - low);
+        (0..self.knots.len()).filter(changes).map(|k| [self.knots[k].time; 2])
     }
 
     /// Slope of the position at each knot, m/s: the mean of those before and after it, which are zero outside the record.
@@ -92,7 +92,7 @@ impl Signals {
         chords()
             .chain([0.0])
             .zip([0.0].into_iter().chain(chords()))
-            .map(|(behind, before)| 0.5 * (before + behind))
+            .map(|(after, before)| 0.5 * (before + after))
             .collect()
     }
 
@@ -109,8 +109,8 @@ impl Signals {
 impl Knot {
     /// All inputs at a time, s, on the straight line to another knot.
     fn towards(&self, to: &Knot, time: f64) -> Knot {
-        let share = (time - self.time) / (to.time - self.time);
-        let between = |a: f64, b: f64| a + (b - a) * share;
+        let fraction = (time - self.time) / (to.time - self.time);
+        let between = |a: f64, b: f64| a + (b - a) * fraction;
         Knot {
             time,
             position: between(self.position, to.position),
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_stroke_recorded_late_happened_earlier() {
-        let values = EffectValues::NEUTRAL.with(PositionDelay::PLACE, &[0.03]);
+        let values = EffectValues::NEUTRAL.with(PositionDelay::INDEX, &[0.03]);
         let record =
             recorded((0..=100).map(|k| f64::from(k) * 0.01), |t| 0.1 - 0.05 * ((t - 0.03).clamp(0.2, 0.4) - 0.2));
         let signals = record.with_true_stroke(PositionDelay::SET, &values);
@@ -183,13 +183,13 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_behind_a_low_pass_is_found_again() {
+    fn a_stroke_recorded_through_a_low_pass_is_recovered() {
         let (filter, speed) = (0.05, 0.2);
-        let values = EffectValues::NEUTRAL.with(PositionDelay::PLACE, &[0.0, filter]);
+        let values = EffectValues::NEUTRAL.with(PositionDelay::INDEX, &[0.0, filter]);
         let stroke = |t: f64| 0.1 - speed * (t.clamp(0.2, 0.4) - 0.2);
         // Filtered: a ramp minus τ v (1 − e^(−t/τ)), at its start and, with the other sign, at its end.
-        let behind = |t: f64| if t > 0.0 { speed * (t - filter * (1.0 - (-t / filter).exp())) } else { 0.0 };
-        let record = recorded((0..=1000).map(|k| f64::from(k) * 1e-3), |t| 0.1 - behind(t - 0.2) + behind(t - 0.4));
+        let filtered = |t: f64| if t > 0.0 { speed * (t - filter * (1.0 - (-t / filter).exp())) } else { 0.0 };
+        let record = recorded((0..=1000).map(|k| f64::from(k) * 1e-3), |t| 0.1 - filtered(t - 0.2) + filtered(t - 0.4));
         let signals = record.with_true_stroke(PositionDelay::SET, &values);
         for k in 0..999 {
             let t = f64::from(k) * 1e-3;
@@ -201,7 +201,7 @@ mod tests {
     fn a_moving_average_is_undone() {
         let stroke = |t: f64| 0.1 + 0.02 * (5.0 * t).sin();
         for window in [0.2, 0.4] {
-            let values = EffectValues::NEUTRAL.with(PositionAveraging::PLACE, &[window]);
+            let values = EffectValues::NEUTRAL.with(PositionAveraging::INDEX, &[window]);
             let averaged = |t: f64| {
                 let (a, b) = (t - 0.5 * window, t + 0.5 * window);
                 0.1 + 0.02 * ((5.0 * a).cos() - (5.0 * b).cos()) / (5.0 * window)

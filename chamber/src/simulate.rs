@@ -137,13 +137,13 @@ impl<R: Scalar, const N: usize> Equations<R, N> for WithEffects<'_, R> {
     }
 
     #[inline]
-    fn sides(&self, boundary: &Boundary<R>, state: &[R; N]) -> Option<[f64; effects::KINKS]> {
-        if self.set.intersection(effects::WITH_KINKS).is_empty() {
+    fn kink_indicators(&self, boundary: &Boundary<R>, state: &[R; N]) -> Option<[f64; effects::KINK_INDICATORS]> {
+        if self.set.intersection(effects::WITH_KINK_INDICATORS).is_empty() {
             return None;
         }
         let (at, rates, _) = self.balance.evaluate(self.set, boundary, state);
         let values = &self.balance.chamber.effects;
-        Some(values.kinks(self.set, &balance::own_states(state), &at, &rates).map(Scalar::value))
+        Some(values.kink_indicators(self.set, &balance::own_states(state), &at, &rates).map(Scalar::value))
     }
 }
 
@@ -210,7 +210,7 @@ mod tests {
     fn a_delayed_record_shows_the_gas_of_that_much_earlier() {
         let (chamber, signals, times) = push();
         let plain = run(&chamber, &signals, &times);
-        let delayed = run(&chamber.with(RecordDelay::PLACE, &[0.05]), &signals, &times);
+        let delayed = run(&chamber.with(RecordDelay::INDEX, &[0.05]), &signals, &times);
         for k in 5..=200 {
             assert_eq!(delayed[k].gas_pressure, plain[k].gas_pressure);
             assert!((delayed[k].measured_pressure / plain[k - 5].gas_pressure - 1.0).abs() < 1e-7, "{k}");
@@ -220,17 +220,17 @@ mod tests {
     #[test]
     fn drift_is_added_last_and_counts_from_the_first_knot() {
         let (chamber, signals, times) = push();
-        let late = chamber.with(RecordDelay::PLACE, &[0.05]);
-        let (drifting, plain) = (late.with(SensorDrift::PLACE, &[-200.0]), run(&late, &signals, &times));
+        let late = chamber.with(RecordDelay::INDEX, &[0.05]);
+        let (drifting, plain) = (late.with(SensorDrift::INDEX, &[-200.0]), run(&late, &signals, &times));
         for (d, p) in run(&drifting, &signals, &times).iter().zip(&plain) {
             assert!((d.measured_pressure - (p.measured_pressure - 200.0 * d.time)).abs() < 1e-6);
         }
     }
 
     #[test]
-    fn a_lagging_sensor_meets_the_gas_in_the_end() {
+    fn a_lagging_sensor_reaches_the_gas_pressure_in_the_end() {
         let (chamber, signals, times) = push();
-        let lagging = run(&chamber.with(SensorLag::PLACE, &[0.02]), &signals, &times);
+        let lagging = run(&chamber.with(SensorLag::INDEX, &[0.02]), &signals, &times);
         let peak = lagging.iter().map(|s| s.gas_pressure).fold(0.0, f64::max);
         assert!(lagging.iter().all(|s| s.measured_pressure < peak * 0.999));
         assert!((lagging[200].measured_pressure / lagging[200].gas_pressure - 1.0).abs() < 1e-3);
@@ -239,14 +239,14 @@ mod tests {
     #[test]
     fn sensitivities_are_those_of_finite_differences_for_delay_and_coefficient() {
         let (chamber, signals, times) = push();
-        let delayed = chamber.with(RecordDelay::PLACE, &[0.013]);
+        let delayed = chamber.with(RecordDelay::INDEX, &[0.013]);
         let mut dual: Chamber<Dual<2>> = delayed.lift();
         dual.heat_transfer.coefficient = Dual::variable(26.5, 0);
-        dual.effects.of_mut(RecordDelay::PLACE)[0] = Dual::variable(0.013, 1);
+        dual.effects.of_mut(RecordDelay::INDEX)[0] = Dual::variable(0.013, 1);
         let start = Start { pressure: 1.013e5.into(), temperature: 293.0.into() };
         let exact = simulate(&dual, delayed.active(), start, &signals, &times, 1e-10).unwrap();
         let shifted = |delta: f64, h: f64| {
-            let mut c = chamber.with(RecordDelay::PLACE, &[0.013 + delta]);
+            let mut c = chamber.with(RecordDelay::INDEX, &[0.013 + delta]);
             c.heat_transfer.coefficient += h;
             run(&c, &signals, &times)
         };

@@ -80,9 +80,9 @@ pub fn around(
 /// The one of these strokes, in time order, whose extent contains a time, s, if any; `near` is the index of the last call, tried
 /// first.
 #[inline(always)]
-pub fn standing_at<'a>(strokes: &'a [Unaveraged], near: &Cell<usize>, time: f64) -> Option<&'a Unaveraged> {
-    let ends_behind = |place: usize| strokes.get(place).is_none_or(|stroke| time <= stroke.extent[1]);
-    let is_next = |place: usize| ends_behind(place) && (place == 0 || !ends_behind(place - 1));
+pub fn containing<'a>(strokes: &'a [Unaveraged], near: &Cell<usize>, time: f64) -> Option<&'a Unaveraged> {
+    let ends_later = |index: usize| strokes.get(index).is_none_or(|stroke| time <= stroke.extent[1]);
+    let is_next = |index: usize| ends_later(index) && (index == 0 || !ends_later(index - 1));
     if !is_next(near.get()) {
         near.set(strokes.partition_point(|stroke| stroke.extent[1] < time));
     }
@@ -148,9 +148,9 @@ impl Unaveraged {
     #[inline]
     pub fn at(&self, time: f64) -> At {
         let per_step = self.per_step;
-        let place = time * per_step - self.first;
-        let near = (place.max(1.0) as usize).min(self.coefficients.len() - 3);
-        let u = place - near as f64;
+        let position = time * per_step - self.first;
+        let near = (position.max(1.0) as usize).min(self.coefficients.len() - 3);
+        let u = position - near as f64;
         let v = 1.0 - u;
         let weights = [
             [v * v * v / 6.0, -0.5 * v * v, v],
@@ -180,8 +180,8 @@ struct SplineSystem {
 impl SplineSystem {
     /// Knots with unknown coefficients.
     fn unknown(&self) -> Range<usize> {
-        let [before, behind] = self.rests.map(|rests| if rests { BAND } else { 0 });
-        before..self.knots - behind
+        let [before, after] = self.rests.map(|rests| if rests { BAND } else { 0 });
+        before..self.knots - after
     }
 
     /// Knots at which the average is compared with the record.
@@ -215,10 +215,10 @@ impl SplineSystem {
             let samples = compared.start.max(i - REACH.min(i))..compared.end.min(i + REACH + 1);
             let compared: f64 = samples.map(|j| weights.average[j.abs_diff(i)] * record[j + 1]).sum();
             let known_before: f64 = (i - BAND.min(i)..unknown.start).map(|k| entry(i, i - k) * c[k]).sum();
-            let known_behind: f64 = (unknown.end..self.knots.min(i + BAND + 1)).map(|k| entry(k, k - i) * c[k]).sum();
+            let known_after: f64 = (unknown.end..self.knots.min(i + BAND + 1)).map(|k| entry(k, k - i) * c[k]).sum();
             // The coefficient found last is added last, so that the other additions need not wait for it.
             let found: f64 = (1..=BAND.min(n)).rev().map(|d| row[d] * c[i - d]).sum();
-            c[i] = (compared - known_before - known_behind - found) * row[0];
+            c[i] = (compared - known_before - known_after - found) * row[0];
             factor.push(row);
         }
         for i in unknown.clone().rev() {
@@ -292,12 +292,12 @@ mod tests {
 
     /// Average of a function over the window around a time: Gauss quadrature, exact for polynomials of degree five.
     fn average(x: impl Fn(f64) -> f64, time: f64) -> f64 {
-        let at = |place: f64| x(time + 0.5 * WINDOW * place);
+        let at = |node: f64| x(time + 0.5 * WINDOW * node);
         (5.0 * at(-0.6f64.sqrt()) + 8.0 * at(0.0) + 5.0 * at(0.6f64.sqrt())) / 18.0
     }
 
     #[test]
-    fn a_slow_wave_is_found_again() {
+    fn a_slow_wave_is_recovered() {
         let x = |t: f64| 0.1 + 0.05 * (2.0 * t).sin();
         let found = Unaveraged::new(|t| average(x, t), WINDOW, [-9.0, 9.0], [-9.0, 9.0], true).unwrap();
         for t in (-40..40).map(|k| 0.1 * f64::from(k)) {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_is_found_again_up_to_the_ends_of_its_record_and_rest_is_rest() {
+    fn a_parabola_is_recovered_up_to_the_ends_of_its_record_and_a_rest_stays_a_rest() {
         let x = |t: f64| 0.1 + 0.3 * t - t * t;
         let found = Unaveraged::new(|t| average(x, t), WINDOW, [-1.0, 1.0], [-1.0, 1.0], true).unwrap();
         for t in [-1.0, -0.9, 0.2, 0.95, 1.0] {
@@ -352,8 +352,8 @@ mod tests {
     }
 
     #[test]
-    fn a_push_that_gains_its_speed_within_the_window_is_found_again() {
-        for (gains_speed, share) in [(0.5, 0.13), (0.25, 0.11), (0.1, 0.29)] {
+    fn a_push_that_accelerates_within_the_window_is_recovered() {
+        for (gains_speed, remaining) in [(0.5, 0.13), (0.25, 0.11), (0.1, 0.29)] {
             let (x, averaged) = push(gains_speed);
             // The detected motion starts either exactly or only once it exceeds noise.
             for hidden in [0.0, 0.05] {
@@ -363,7 +363,7 @@ mod tests {
                     (0..1400).map(|k| -0.2 + 1e-3 * f64::from(k)).map(|t| (of(t) - x(t)).powi(2)).sum::<f64>().sqrt()
                 };
                 let (left, before) = (rms(&|t| found.at(t).derivatives[0]), rms(&averaged));
-                assert!(left < share * before, "{gains_speed}, {hidden}: {left} {before}");
+                assert!(left < remaining * before, "{gains_speed}, {hidden}: {left} {before}");
                 for end in found.extent() {
                     assert!((found.at(end).derivatives[0] - averaged(end)).abs() < 1e-12, "{end}");
                 }
@@ -385,8 +385,8 @@ mod tests {
                     (by_window[k] - by_difference).abs() < 2e-3 * (1.0 + by_difference.abs()),
                     "{t}: {by_window:?} {by_difference}"
                 );
-                let [before, behind] = [t - 1e-6, t + 1e-6].map(|t| middle.at(t).derivatives[k]);
-                assert!(((behind - before) / 2e-6 - derivatives[k + 1]).abs() < 1e-3, "{t}");
+                let [before, after] = [t - 1e-6, t + 1e-6].map(|t| middle.at(t).derivatives[k]);
+                assert!(((after - before) / 2e-6 - derivatives[k + 1]).abs() < 1e-3, "{t}");
             }
         }
     }

@@ -71,21 +71,21 @@ proptest! {
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 240.0..420.0f64,
     ) {
         let boundary = Boundary { mass_flow_in: 0.0, mass_flow_out: 0.0, ..boundary };
-        let mut chamber = chamber.with(TubeVolume::PLACE, &[5e-6]);
+        let mut chamber = chamber.with(TubeVolume::INDEX, &[5e-6]);
         for beside in [[0.0; 2], [1e-3, 0.0], [1e-3, 1e-6]] {
-            chamber = chamber.with(TemperatureDependentHeatCapacity::PLACE, &beside);
-            for share in [0.0, 0.2] {
+            chamber = chamber.with(TemperatureDependentHeatCapacity::INDEX, &beside);
+            for value in [0.0, 0.2] {
                 let curve = Curve {
                     term: Term::VolumeShare,
                     variable: Variable::Pressure,
                     knots: vec![0.0, 1e6],
-                    values: vec![0.0, share],
+                    values: vec![0.0, value],
                 };
-                chamber = chamber.with(Empirical::PLACE, &curve.parameters());
+                chamber = chamber.with(Empirical::INDEX, &curve.parameters());
                 let state = balance::state_at(&chamber, &boundary, p, t);
                 let (at, rates, _) = balance::evaluate(chamber.active(), &chamber, &boundary, &state);
                 let stored = 5e-6 / (at.gas_constant * at.ambient_temperature) * rates.pressure;
-                prop_assert!((rates.mass + stored).abs() < 1e-13 * stored.abs(), "{beside:?} {share}: {} {stored}", rates.mass);
+                prop_assert!((rates.mass + stored).abs() < 1e-13 * stored.abs(), "{beside:?} {value}: {} {stored}", rates.mass);
             }
         }
     }
@@ -157,9 +157,9 @@ fn a_wall_of_finite_capacity_keeps_the_heat_the_gas_gave() {
     // Held piston, wall without outer conductance: gas and wall together keep their energy and end at one temperature.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = chamber.with(WallHeating::PLACE, &[0.05, 0.0]);
+    let chamber = chamber.with(WallHeating::INDEX, &[0.05, 0.0]);
     let Second { initial, end, .. } = a_second(&chamber, &boundary, 4e5, 380.0);
-    let wall = OWN + effects::STATE_OFFSETS[WallHeating::PLACE];
+    let wall = OWN + effects::STATE_OFFSETS[WallHeating::INDEX];
     let gas_gave = initial[ENERGY] - end[ENERGY];
     let wall_took = 0.05 * (end[wall] - initial[wall]);
     assert!(gas_gave > 0.0 && (gas_gave / wall_took - 1.0).abs() < 1e-9);
@@ -170,19 +170,19 @@ fn an_isolated_core_is_compressed_without_gain_of_entropy() {
     // H = 0: the core's T2^γ P^(1−γ) is constant whatever the rest of the gas loses to the wall.
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
-    let chamber = chamber.with(GasZones::PLACE, &[0.3, 0.0]);
+    let chamber = chamber.with(GasZones::INDEX, &[0.3, 0.0]);
     let Second { end, at, .. } = a_second(&chamber, &boundary, 1e5, 293.0);
-    let core = end[OWN + effects::STATE_OFFSETS[GasZones::PLACE]];
+    let core = end[OWN + effects::STATE_OFFSETS[GasZones::INDEX]];
     assert!((core / (293.0 * (at.pressure / 1e5).powf(0.4 / 1.4)) - 1.0).abs() < 1e-9);
     assert!(core > at.temperature + 20.0);
 }
 
 #[test]
-fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
+fn a_tube_takes_the_gas_given_by_its_pressure_and_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.05, ..boundary };
     let tube = 3e-6;
-    let chamber = chamber.with(TubeVolume::PLACE, &[tube]);
+    let chamber = chamber.with(TubeVolume::INDEX, &[tube]);
     let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let stored = tube / (287.0 * 293.0) * (at.pressure - 1e5);
     assert!(((initial[MASS] - end[MASS]) / stored - 1.0).abs() < 1e-8);
@@ -192,7 +192,7 @@ fn a_tube_takes_the_gas_that_its_pressure_and_temperature_say() {
 fn a_leak_fills_an_evacuated_chamber_up_to_ambient_pressure_and_no_further() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = chamber.with(Leakage::PLACE, &[3e-9]);
+    let chamber = chamber.with(Leakage::INDEX, &[3e-9]);
     for start in [0.3e5, 3e5] {
         let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 1.013e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);
@@ -208,7 +208,7 @@ fn surroundings_without_pressure_change_a_tight_chamber_s_rates_in_nothing_and_c
     let tight = balance::rates(EffectSet::NONE, &chamber, &vacuum, &state);
     assert_eq!(tight, balance::rates(EffectSet::NONE, &chamber, &boundary, &state));
 
-    let chamber = chamber.with(Leakage::PLACE, &[3e-9]);
+    let chamber = chamber.with(Leakage::INDEX, &[3e-9]);
     let choked = 3e-9 * 2e5 * 1.185 * (293.15f64 / 293.0).sqrt();
     let leaking = balance::rates(chamber.active(), &chamber, &vacuum, &state);
     assert!((leaking[MASS] / -choked - 1.0).abs() < 1e-12, "{leaking:?}");
@@ -225,7 +225,7 @@ fn a_surface_beside_the_area_law_s_exchanges_heat_like_it_and_never_gives_a_nega
     let (chamber, boundary) = section_31();
     let state = balance::state_at(&chamber, &boundary, 2e5, 340.0);
     let heat = |extra: f64| {
-        let chamber = chamber.with(DeadVolumeSurface::PLACE, &[extra]);
+        let chamber = chamber.with(DeadVolumeSurface::INDEX, &[extra]);
         balance::evaluate(chamber.active(), &chamber, &boundary, &state).1.heat_flow
     };
     let of_law = chamber.geometry.heat_transfer_area(chamber.geometry.volume(boundary.position));
@@ -238,7 +238,7 @@ fn a_surface_beside_the_area_law_s_exchanges_heat_like_it_and_never_gives_a_nega
 fn gas_in_a_warm_wall_begins_and_stays_at_rest_at_the_wall_s_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = chamber.with(WarmWall::PLACE, &[15.0]);
+    let chamber = chamber.with(WarmWall::INDEX, &[15.0]);
     let rest = chamber.effects.rest_temperature(boundary.ambient_temperature);
     assert_eq!(rest, 308.0);
     let at_rest =
@@ -253,7 +253,7 @@ fn a_gas_of_varying_heat_capacity_keeps_its_entropy_in_an_adiabatic_stroke() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { position: 0.1, velocity: -0.07, ..boundary };
     for [slope, c] in [[1.4e-3, 0.0], [1.2e-4, 0.0], [-4e-4, 0.0], [6e-5, 5e-7], [1.4e-3, -1.4e-6], [0.0, 3e-6]] {
-        let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
+        let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::INDEX, &[slope, c]));
         let Second { at, .. } = a_second(&chamber, &boundary, 2e5, 310.0);
         let volumes = chamber.geometry.volume(0.03) / chamber.geometry.volume(0.1);
         let [logarithm, linear, square] = [1.0 - 293.0 * slope + 293.0 * 293.0 * c, slope - 2.0 * 293.0 * c, 0.5 * c];
@@ -270,7 +270,7 @@ fn gas_that_enters_brings_the_enthalpy_of_its_own_temperature() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, mass_flow_in: 3e-5, temperature_in: 390.0, ..boundary };
     let (slope, c) = (1.4e-3, -1.4e-6);
-    let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, c]));
+    let chamber = adiabatic(chamber.with(TemperatureDependentHeatCapacity::INDEX, &[slope, c]));
     let Second { initial, end, at } = a_second(&chamber, &boundary, 1e5, 293.0);
     let square = |t: f64| t * t * t / 3.0 - 293.0 * t * t + 293.0 * 293.0 * t;
     let u = |t: f64| 717.5 * (t + slope * (0.5 * t * t - 293.0 * t) + c * square(t));
@@ -287,7 +287,7 @@ proptest! {
         chamber in any_chamber(), boundary in any_boundary(), p in 0.5e5..8e5f64, t in 260.0..400.0f64, slope in -4e-4..2e-3f64,
         curvature in -1.4e-6..4e-6f64,
     ) {
-        let chamber = chamber.with(TemperatureDependentHeatCapacity::PLACE, &[slope, curvature]);
+        let chamber = chamber.with(TemperatureDependentHeatCapacity::INDEX, &[slope, curvature]);
         let set = chamber.active();
         let state = balance::state_at(&chamber, &boundary, p, t);
         let (at, rates, _) = balance::evaluate(set, &chamber, &boundary, &state);
@@ -305,7 +305,7 @@ proptest! {
 #[test]
 fn a_laminar_leak_is_a_linear_one_for_small_differences_and_grows_with_the_mean_pressure() {
     let (chamber, boundary) = section_31();
-    let chamber = chamber.with(LaminarLeakage::PLACE, &[2e-11]);
+    let chamber = chamber.with(LaminarLeakage::INDEX, &[2e-11]);
     let outside = boundary.ambient_pressure;
     let flow = |p: f64| {
         balance::rates(chamber.active(), &chamber, &boundary, &balance::state_at(&chamber, &boundary, p, 300.0))[MASS]
@@ -320,7 +320,7 @@ fn a_laminar_leak_is_a_linear_one_for_small_differences_and_grows_with_the_mean_
 fn a_valve_that_leaks_fills_the_chamber_up_to_its_supply_and_no_further() {
     let (chamber, boundary) = section_31();
     let boundary = Boundary { velocity: 0.0, ..boundary };
-    let chamber = chamber.with(SupplyLeakage::PLACE, &[3e-9, 4e5]);
+    let chamber = chamber.with(SupplyLeakage::INDEX, &[3e-9, 4e5]);
     for start in [1e5, 6e5] {
         let Second { at, .. } = a_second(&chamber, &boundary, start, 293.0);
         assert!((at.pressure / 4e5 - 1.0).abs() < 1e-3, "from {start} to {}", at.pressure);

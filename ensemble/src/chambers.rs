@@ -56,6 +56,6 @@ impl WithSimd for WorkOutBalances<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) {
-        self.0.work_out();
+        self.0.recompute_constants();
     }
 }

@@ -29,7 +29,7 @@ proptest! {
 
 #[test]
 fn a_leak_into_surroundings_without_pressure_chokes_in_lanes_as_in_plain_numbers() {
-    let chamber = papers_chamber::section_31(AreaLaw::Total).with(Leakage::PLACE, &[3e-9]);
+    let chamber = papers_chamber::section_31(AreaLaw::Total).with(Leakage::INDEX, &[3e-9]);
     let vacuum = Boundary { ambient_pressure: 0.0, ..Boundary::closed(0.1, 293.0, 1e5) };
     let state = balance::state_at(&chamber, &vacuum, 2e5, 293.0);
     let plain = balance::rates(chamber.active(), &chamber, &vacuum, &state);

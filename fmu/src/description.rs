@@ -2,12 +2,12 @@
 //! provides what differs. The guid, in FMI 3.0 the instantiation token, is a hash of everything else.
 
 use crate::identity::Identity;
-use crate::plant::leader::EXPERIMENT_S;
+use crate::plant::motion_source::EXPERIMENT_S;
 use crate::plant::simulation::DEFAULT_TOLERANCE;
 use crate::plant::values::Starts;
 use crate::protocol::message::Category;
 use crate::table::choices::ENUMERATIONS;
-use crate::table::place_of_state;
+use crate::table::index_of_state;
 use crate::table::structure::{self, Unknown};
 use crate::table::units::{QUANTITIES, Quantity, UNITS};
 use crate::table::variable::{Enumeration, Role, Variability, Variable};
@@ -177,7 +177,7 @@ pub fn of_real(variable: &Variable, starts: &Starts, first: usize) -> Attributes
     attributes.push(("nominal", number(variable.nominal)));
     attributes.extend(settable(starts, variable.role).map(|start| ("start", number(start))));
     if let Role::Rate(state) = variable.role {
-        attributes.extend(place_of_state(state).map(|place| ("derivative", (first + place).to_string())));
+        attributes.extend(index_of_state(state).map(|index| ("derivative", (first + index).to_string())));
     }
     attributes
 }
@@ -198,6 +198,6 @@ pub fn items(xml: &mut String, indent: usize, enumeration: &Enumeration) {
 
 /// The dependencies of an unknown, with variables counted from `first`.
 pub fn dependencies(unknown: &Unknown, first: usize) -> String {
-    let places: Vec<String> = unknown.dependencies.iter().map(|place| (first + place).to_string()).collect();
-    places.join(" ")
+    let indices: Vec<String> = unknown.dependencies.iter().map(|index| (first + index).to_string()).collect();
+    indices.join(" ")
 }

@@ -141,11 +141,11 @@ impl Block {
     /// If the library has no block, or that of another version.
     pub fn write_into(&self, library: &mut [u8]) -> Result<Vec<usize>, BlockError> {
         let magic = &AS_BUILT[..MAGIC_LENGTH];
-        let places: Vec<usize> = memmem(library, magic).filter(|&at| at + LENGTH <= library.len()).collect();
-        if places.is_empty() {
+        let offsets: Vec<usize> = memmem(library, magic).filter(|&at| at + LENGTH <= library.len()).collect();
+        if offsets.is_empty() {
             return Err(BlockError::Missing);
         }
-        for &at in &places {
+        for &at in &offsets {
             if library[at..at + GUID - 8] != AS_BUILT[..GUID - 8] {
                 return Err(BlockError::OtherVersion);
             }
@@ -154,7 +154,7 @@ impl Block {
             }
             library[at..at + LENGTH].copy_from_slice(&self.encode());
         }
-        Ok(places)
+        Ok(offsets)
     }
 }
 
@@ -183,17 +183,17 @@ mod tests {
     }
 
     #[test]
-    fn a_block_says_what_was_written() {
+    fn a_block_decodes_to_what_was_written() {
         assert_eq!(Block::decode(&block().encode()), Some(block()));
         assert_eq!(Block::decode(&AS_BUILT), Some(Block::reference()));
     }
 
     #[test]
     fn a_damaged_block_is_none() {
-        for place in GUID..LENGTH {
+        for index in GUID..LENGTH {
             let mut bytes = block().encode();
-            bytes[place] ^= 4;
-            assert_eq!(Block::decode(&bytes), None, "{place}");
+            bytes[index] ^= 4;
+            assert_eq!(Block::decode(&bytes), None, "{index}");
         }
     }
 

@@ -39,10 +39,11 @@ fn the_push_does_not_depend_on_the_step() {
 
 #[test]
 fn start_values_set_again_change_nothing_and_another_value_hands_the_piston_over() {
-    for (parameter, value, led) in [("position", 0.1, true), ("velocity", 0.0, true), ("deadVolume", 1e-5, false)] {
+    for (parameter, value, is_pushed) in [("position", 0.1, true), ("velocity", 0.0, true), ("deadVolume", 1e-5, false)]
+    {
         let host = Host::started(&[(parameter, value)]);
         host.step(0.0, 0.1);
-        assert_eq!(host.get("pistonPosition") < 0.06, led, "{parameter}");
+        assert_eq!(host.get("pistonPosition") < 0.06, is_pushed, "{parameter}");
     }
     let host = Host::started(&[]);
     host.set("position", 0.1);
@@ -51,7 +52,7 @@ fn start_values_set_again_change_nothing_and_another_value_hands_the_piston_over
 }
 
 #[test]
-fn a_piston_that_is_taken_over_on_its_way_rests_where_it_is() {
+fn a_piston_taken_over_by_the_host_during_its_push_rests_where_it_is() {
     let host = Host::started(&[]);
     host.step(0.0, 0.04);
     host.set("massFlowIn", 0.0);
@@ -71,7 +72,7 @@ fn a_saved_state_remembers_who_moves_the_piston() {
 }
 
 #[test]
-fn a_host_that_integrates_is_told_when_the_push_ends() {
+fn a_host_that_integrates_gets_the_time_at_which_the_push_ends() {
     let host = Host::exchange();
     host.start(&[], None);
     let mut info = EventInfo::default();

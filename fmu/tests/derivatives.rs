@@ -99,7 +99,7 @@ fn derivatives_at_the_start_are_those_of_central_differences() {
 }
 
 #[test]
-fn a_piston_held_by_the_far_end_goes_with_the_stroke() {
+fn a_piston_held_by_the_far_end_follows_the_stroke() {
     let host = Host::new();
     host.set("position", 0.08);
     host.set("stroke", 0.05);

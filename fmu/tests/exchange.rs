@@ -1,4 +1,4 @@
-//! Model Exchange: a host that integrates gets the results of co-simulation, meets every corner as an event, and is refused any
+//! Model Exchange: a host that integrates gets the results of co-simulation, meets every kink as an event, and is refused any
 //! call out of order.
 
 #![allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "a host calls C functions")]
@@ -10,10 +10,10 @@ use chamber::integrate::{Integrator, Tolerance};
 use common::{Host, reference};
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::EventInfo;
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::states::ALL;
 use fmu::table::effects::{effects_here, parameter_name};
-use fmu::table::place_of_state;
+use fmu::table::index_of_state;
 
 /// A host that integrates: Dormand and Prince's pair, with inputs as functions of time.
 struct Exchange<F> {
@@ -64,9 +64,9 @@ impl<F: Fn(&Host, f64)> Exchange<F> {
         rates
     }
 
-    fn indicators(&self) -> [f64; CORNERS] {
-        let mut z = [f64::NAN; CORNERS];
-        assert_eq!(unsafe { fmi2GetEventIndicators(self.host.c, z.as_mut_ptr(), CORNERS) }, 0);
+    fn indicators(&self) -> [f64; EVENT_INDICATORS] {
+        let mut z = [f64::NAN; EVENT_INDICATORS];
+        assert_eq!(unsafe { fmi2GetEventIndicators(self.host.c, z.as_mut_ptr(), EVENT_INDICATORS) }, 0);
         z
     }
 
@@ -95,7 +95,7 @@ impl<F: Fn(&Host, f64)> Exchange<F> {
         let z = self.indicators();
         while self.time < latest {
             let (t, x) = (self.time, self.states());
-            let changed = |z1: &[f64; CORNERS]| (0..CORNERS).find(|&i| z[i] * z1[i] <= 0.0);
+            let changed = |z1: &[f64; EVENT_INDICATORS]| (0..EVENT_INDICATORS).find(|&i| z[i] * z1[i] <= 0.0);
             let mut step = h;
             loop {
                 self.advance(t + step);
@@ -143,7 +143,7 @@ fn a_host_that_integrates_finds_what_co_simulation_finds_with_every_effect() {
         let starts: Vec<(&str, f64)> = starts.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let together = Host::new();
         together.start(&starts, Some(1e-11));
-        // At a corner in time, the value after it applies.
+        // At a kink in time, the value after it applies.
         let speed = std::cell::Cell::new(0.0);
         let mut apart = Exchange::started(&starts, 1e-11, |host, t| {
             host.set("position", push(t).0);
@@ -174,7 +174,7 @@ fn a_host_that_integrates_finds_what_co_simulation_finds_with_every_effect() {
 }
 
 #[test]
-fn a_discharge_meets_its_corners_in_turn() {
+fn a_discharge_passes_its_kinks_one_after_the_other() {
     let mut leaking = Exchange::started(
         &[("initialPressure", 5e5), ("leakage.conductance", 3e-9), ("leakage.criticalPressureRatio", 0.4)],
         1e-8,
@@ -225,8 +225,8 @@ fn a_piston_that_its_velocity_moves_rests_at_the_end_of_its_stroke_and_leaves_it
 
 #[test]
 fn a_position_that_jumps_in_an_event_compresses_the_gas_adiabatically() {
-    let place = std::cell::Cell::new(0.1);
-    let jumping = Exchange::started(&[("lambda0", 0.0)], 1e-8, |host, _| host.set("position", place.get()));
+    let position = std::cell::Cell::new(0.1);
+    let jumping = Exchange::started(&[("lambda0", 0.0)], 1e-8, |host, _| host.set("position", position.get()));
     let (pressure, volume) = (jumping.host.get("pressure"), jumping.host.get("volume"));
     unsafe { assert_eq!(fmi2EnterEventMode(jumping.host.c), 0) };
     jumping.host.set("position", 0.05);
@@ -260,7 +260,7 @@ fn rates_and_outputs_have_the_derivatives_of_their_differences_by_states_and_inp
     let names: Vec<String> = fmu::table::table().iter().map(|v| v.name.clone()).collect();
     let unknowns = ["der(internalEnergy)", "der(mass)", "pressure", "temperature", "heatFlow", "force", "workDone"];
     for state in 0..ALL {
-        let known = &names[place_of_state(state).unwrap()];
+        let known = &names[index_of_state(state).unwrap()];
         let d = 1e-6 * base[state].abs().max(1e-6);
         for unknown in unknowns {
             let exact = host.directional(unknown, known);

@@ -14,7 +14,7 @@ use draws::{cases, change_of_state, equipment, length, number, orderly, step};
 use fmu::boundary::CEnum;
 use fmu::fmi2::abi::*;
 use fmu::fmi2::host::EventInfo;
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::states::ALL;
 use proptest::prelude::*;
 use std::ffi::{c_int, c_void};
@@ -66,7 +66,7 @@ fn exchange() -> impl Strategy<Value = Call> {
         5 => (change_of_state(), length(ALL))
             .prop_map(|((shift, by), length)| Call::States { shift, by, length }),
         4 => (length(ALL), draws::null()).prop_map(|(length, null)| Call::Rates { length, null }),
-        3 => length(CORNERS).prop_map(Call::Indicators),
+        3 => length(EVENT_INDICATORS).prop_map(Call::Indicators),
     ]
 }
 

@@ -10,7 +10,7 @@ mod draws;
 use draws::{cases, change_of_state, equipment, length, number, orderly, step};
 use fmu::boundary::CEnum;
 use fmu::fmi3::abi::*;
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::states::ALL;
 use fmu::start_values::REFERENCE_GUID;
 use fmu::table::table;
@@ -120,9 +120,9 @@ impl Host {
         unsafe { self.update(false).max(fmi3EnterContinuousTimeMode(self.c)) }
     }
 
-    unsafe fn update(&self, without_place: bool) -> CEnum {
+    unsafe fn update(&self, without_destination: bool) -> CEnum {
         let ([mut a, mut b, mut c, mut d, mut e], mut time) = ([0; 5], 0.0);
-        let time = if without_place { null_mut() } else { &raw mut time };
+        let time = if without_destination { null_mut() } else { &raw mut time };
         unsafe { fmi3UpdateDiscreteStates(self.c, &mut a, &mut b, &mut c, &mut d, &mut e, time) }
     }
 
@@ -220,7 +220,7 @@ enum Call {
 }
 
 fn reference() -> impl Strategy<Value = u32> {
-    draws::reference(1 + CORNERS as u32)
+    draws::reference(1 + EVENT_INDICATORS as u32)
 }
 
 /// One value more than references, in one case of twenty.
@@ -288,7 +288,7 @@ fn exchange() -> impl Strategy<Value = Call> {
         4 => prop_oneof![5 => 0.0..2.0f64, 1 => number()].prop_map(Call::Time),
         5 => (change_of_state(), length(ALL)).prop_map(|((shift, by), length)| Call::States { shift, by, length }),
         4 => (length(ALL), draws::null()).prop_map(|(length, null)| Call::Rates { length, null }),
-        3 => length(CORNERS).prop_map(Call::Indicators),
+        3 => length(EVENT_INDICATORS).prop_map(Call::Indicators),
         1 => draws::null().prop_map(|null| Call::Numbers { null }),
     ]
 }
@@ -337,9 +337,9 @@ unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
             Call::Adjoint => fmi3GetAdjointDerivative(c, null(), 0, null(), 0, null(), 0, null_mut(), 0),
             Call::Step { offset, h, null: without } => {
                 let ([mut event, mut end, mut early], mut last) = ([7; 3], f64::NAN);
-                let last_place = if *without { null_mut() } else { &raw mut last };
+                let last_destination = if *without { null_mut() } else { &raw mut last };
                 let before = host.time();
-                let status = fmi3DoStep(c, before + offset, *h, 1, &mut event, &mut end, &mut early, last_place);
+                let status = fmi3DoStep(c, before + offset, *h, 1, &mut event, &mut end, &mut early, last_destination);
                 if status < 2 {
                     assert_eq!((last, end, event), (host.time(), 0, early));
                     assert!(
@@ -404,8 +404,8 @@ unsafe fn make(host: &mut Host, call: &Call) -> CEnum {
             Call::Indicators(length) => fmi3GetEventIndicators(c, vec![0.0; *length].as_mut_ptr(), *length),
             Call::Numbers { null } => {
                 let mut n = 0;
-                let place = if *null { null_mut() } else { &raw mut n };
-                fmi3GetNumberOfEventIndicators(c, place).max(fmi3GetNumberOfContinuousStates(c, place))
+                let destination = if *null { null_mut() } else { &raw mut n };
+                fmi3GetNumberOfEventIndicators(c, destination).max(fmi3GetNumberOfContinuousStates(c, destination))
             }
             Call::Dependencies(of) => fmi3GetNumberOfVariableDependencies(c, *of, &mut 0)
                 .max(fmi3GetVariableDependencies(c, *of, null_mut(), null_mut(), null_mut(), null_mut(), 0)),

@@ -24,7 +24,7 @@ fn version_and_platform_are_those_of_the_standard() {
 }
 
 #[test]
-fn a_refused_value_is_named_and_the_whole_batch_is_left_out() {
+fn a_refused_value_is_named_and_the_whole_batch_is_rejected() {
     let host = Host::started(&[]);
     let references = [reference("massFlowIn"), reference("ambientTemperature"), reference("velocity")];
     for (bad, says) in [
@@ -236,7 +236,7 @@ fn a_step_that_would_empty_the_chamber_names_the_outflow_whatever_else_is_on_and
 }
 
 #[test]
-fn a_host_that_repeats_a_discarded_step_is_told_to_end_and_one_that_shortens_it_is_not() {
+fn a_host_that_repeats_a_discarded_step_is_asked_to_terminate_and_one_that_shortens_it_is_not() {
     let host = Host::started(&[]);
     let wants_to_end = || {
         let mut ended = -1;
@@ -262,8 +262,8 @@ fn a_position_without_volume_is_discarded_at_the_step_and_noise_at_the_end_stop_
     host.step(0.0, 1e-3);
     host.set("position", -1.0);
     assert_eq!(host.try_step(1e-3, 1e-3), DISCARD);
-    let told = host.message();
-    assert!(told.contains("position = -1 m leaves the gas a volume of -") && !told.contains("0.0000"), "{told}");
+    let text = host.message();
+    assert!(text.contains("position = -1 m leaves the gas a volume of -") && !text.contains("0.0000"), "{text}");
     host.set("position", 0.01);
     host.step(1e-3, 1e-3);
     assert!((host.get("temperature") / 293.15 - 1.0).abs() < 1e-2);
@@ -317,8 +317,8 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert_eq!(choose(1, &[]), OK);
     host.set("position", 0.08);
     host.step(1e-3, 1e-3);
-    let told = host.messages();
-    let events: Vec<_> = told.iter().filter(|m| m.category == "logEvents").collect();
+    let messages = host.messages();
+    let events: Vec<_> = messages.iter().filter(|m| m.category == "logEvents").collect();
     assert_eq!((events.len(), events[0].category.as_str(), events[0].status), (1, "logEvents", OK));
     assert!(events[0].text.contains("the stroke from 0.09 m to position = 0.08 m was taken up adiabatically"));
     host.set("position", 0.08 * (1.0 + f64::EPSILON));
@@ -334,7 +334,7 @@ fn the_log_follows_the_categories_that_the_host_chooses() {
     assert!(host.message().contains("none of those that the model description declares"));
     assert_eq!(choose(0, &[]), OK);
     assert_eq!(host.try_step(9.0, 1.0), ERROR);
-    assert_eq!(host.messages().len(), 1, "refusals are told even with logging off");
+    assert_eq!(host.messages().len(), 1, "refusals are reported even with logging off");
 }
 
 /// A logger that requests a value from the reporting instance, and counts its calls.

@@ -137,8 +137,8 @@ proptest! {
     fn bytes_with_a_right_checksum_and_wrong_numbers_crash_nothing(at in any::<prop::sample::Index>(), value in any::<f64>()) {
         let host = under_way();
         let mut bytes = host.serialized();
-        let place = 56 + at.index((bytes.len() - 56) / 8) * 8;
-        bytes[place..place + 8].copy_from_slice(&value.to_le_bytes());
+        let offset = 56 + at.index((bytes.len() - 56) / 8) * 8;
+        bytes[offset..offset + 8].copy_from_slice(&value.to_le_bytes());
         let checksum = crc32fast::hash(&bytes[16..]);
         bytes[12..16].copy_from_slice(&checksum.to_le_bytes());
         if host.deserialize(&bytes) == 0 {

@@ -51,7 +51,7 @@ fn sums_close_the_balances_whatever_the_step() {
 }
 
 #[test]
-fn strokes_taken_up_count_as_work_and_the_exact_hold_as_heat() {
+fn instantaneous_strokes_count_as_work_and_the_exact_hold_as_heat() {
     let host = Host::started(&[("initialPressure", 3e5)]);
     let u0 = host.get("internalEnergy");
     for k in 0..20 {
@@ -84,7 +84,7 @@ fn a_port_fills_a_small_volume_at_a_coarse_step_as_at_a_fine_one() {
 }
 
 #[test]
-fn a_frictionless_mass_on_the_gas_keeps_its_energy() {
+fn a_frictionless_mass_on_the_gas_conserves_energy() {
     let host = Host::new();
     host.start(&[("lambda0", 0.0), ("strokeInput", 2.0), ("initialPressure", 2e5)], None);
     let area = PI * 0.02f64.powi(2) / 4.0;
@@ -108,7 +108,7 @@ fn a_frictionless_mass_on_the_gas_keeps_its_energy() {
 }
 
 #[test]
-fn a_position_beyond_the_stroke_is_limited_and_told_once() {
+fn a_position_beyond_the_stroke_is_limited_and_reported_once() {
     let host = Host::started(&[("stroke", 0.15)]);
     host.set("velocity", 1.0);
     for k in 0..10 {
@@ -120,9 +120,9 @@ fn a_position_beyond_the_stroke_is_limited_and_told_once() {
     host.set("position", -0.01);
     host.step(0.1, 0.01);
     assert_eq!(host.get("pistonPosition"), 0.0);
-    let told = warnings(&host);
-    let limited: Vec<_> = told.iter().filter(|text| text.contains("beyond its stroke of 0.15 m")).collect();
-    assert_eq!(limited.len(), 1, "{told:?}");
+    let texts = warnings(&host);
+    let limited: Vec<_> = texts.iter().filter(|text| text.contains("beyond its stroke of 0.15 m")).collect();
+    assert_eq!(limited.len(), 1, "{texts:?}");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn the_velocity_alone_moves_the_piston_and_the_position_is_of_no_influence() {
 }
 
 #[test]
-fn position_and_velocity_that_disagree_are_told_once_and_noise_is_not() {
+fn position_and_velocity_that_disagree_are_reported_once_and_noise_is_not() {
     let host = Host::started(&[]);
     for k in 0..20 {
         let t = f64::from(k) * 1e-3;
@@ -173,32 +173,32 @@ fn position_and_velocity_that_disagree_are_told_once_and_noise_is_not() {
         host.set("position", 0.11 + 0.003 * f64::from(k - 20));
         host.step(f64::from(k) * 1e-3, 1e-3);
     }
-    let told = warnings(&host);
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].contains("position has moved by") && told[0].contains("strokeInput = velocity"), "{told:?}");
+    let texts = warnings(&host);
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    assert!(texts[0].contains("position has moved by") && texts[0].contains("strokeInput = velocity"), "{texts:?}");
 }
 
 #[test]
-fn states_where_the_model_is_not_valid_are_told_once_each() {
+fn states_where_the_model_is_not_valid_are_reported_once_each() {
     let host = Host::started(&[("position", 0.1), ("deadVolume", 1e-9)]);
     for k in 0..20 {
         host.set("position", 1e-4);
         host.set("velocity", if k == 3 { 30.0 } else { 0.0 });
         host.step(f64::from(k) * 1e-5, 1e-5);
     }
-    let told = warnings(&host);
+    let texts = warnings(&host);
     for words in ["is beyond 1e7 Pa", "is outside 150 to 700 K", "is faster than 20 m/s"] {
-        assert_eq!(told.iter().filter(|text| text.contains(words)).count(), 1, "{words}: {told:?}");
+        assert_eq!(texts.iter().filter(|text| text.contains(words)).count(), 1, "{words}: {texts:?}");
     }
     unsafe { fmu::fmi2::abi::fmi2Reset(host.c) };
     host.start(&[("position", 0.1), ("deadVolume", 1e-9)], None);
     host.set("position", 1e-4);
     host.step(0.0, 1e-5);
-    assert!(!warnings(&host).is_empty(), "a reset instance tells them again");
+    assert!(!warnings(&host).is_empty(), "a reset instance gives them again");
 }
 
 #[test]
-fn the_wall_of_others_takes_the_place_of_the_effects_of_the_wall_which_stay_where_they_are_and_are_told_of_once() {
+fn an_external_wall_replaces_the_effects_of_the_wall_which_keep_their_states_and_are_reported_once() {
     for effect in [0.0, 2.0] {
         let host = Host::started(&[
             ("externalWall", 1.0),
@@ -207,9 +207,12 @@ fn the_wall_of_others_takes_the_place_of_the_effects_of_the_wall_which_stay_wher
             ("wallConduction.inverseEffusivity", 1e-3 * effect),
             ("initialPressure", 2e5),
         ]);
-        let told = warnings(&host);
-        assert_eq!(told.len(), usize::from(effect > 0.0), "{told:?}");
-        assert!(told.iter().all(|text| text.contains("wallHeating and wallConduction have no influence")), "{told:?}");
+        let texts = warnings(&host);
+        assert_eq!(texts.len(), usize::from(effect > 0.0), "{texts:?}");
+        assert!(
+            texts.iter().all(|text| text.contains("wallHeating and wallConduction have no influence")),
+            "{texts:?}"
+        );
         host.step(0.0, 30.0);
         assert!((host.get("temperature") - 350.0).abs() < 1e-6, "{}", host.get("temperature"));
         assert_eq!((host.get("wallHeating.wallTemperature"), host.get("wallConduction.mode7")), (293.15, 0.0));

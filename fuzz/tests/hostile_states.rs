@@ -5,7 +5,7 @@
 #[path = "../../fmu/tests/common/memory.rs"]
 mod memory;
 
-use fmu::plant::corners::CORNERS;
+use fmu::plant::event_indicators::EVENT_INDICATORS;
 use fmu::plant::simulation::Kind;
 use fmu::plant::states::ALL;
 use fmu::plant::values::Starts;
@@ -104,7 +104,7 @@ fn go_on(instance: &mut Instance) {
         let time = instance.time();
         let _ = instance.do_step(time, h);
         let _ = integrate(instance, time + h);
-        let _ = instance.event_indicators(&mut [0.0; CORNERS]);
+        let _ = instance.event_indicators(&mut [0.0; EVENT_INDICATORS]);
         if instance.get_real(&every, &mut values).is_ok() {
             assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
         }
@@ -117,18 +117,18 @@ fn go_on(instance: &mut Instance) {
 }
 
 #[test]
-fn a_serialized_state_is_refused_or_goes_on() {
+fn a_serialized_state_is_refused_or_the_simulation_continues_from_it() {
     let kinds = [Kind::CoSimulation, Kind::ModelExchange];
     let made: Vec<Vec<u8>> =
         kinds.into_iter().flat_map(|kind| [states(kind, &MEMORY), states(kind, &MEMORY[..1])].concat()).collect();
     let whole = made.len() as u32;
-    let (accepted, behind_the_checksum) = (Cell::new(0_u32), Cell::new(0_u32));
+    let (accepted, past_the_checksum) = (Cell::new(0_u32), Cell::new(0_u32));
     let reference = mended(&made[0]);
     hostile::run_from("fmu-state", made, &["PNTFMUS\0"], |bytes| {
         // A fourth stays as it is; which one follows from the bytes, so that a kept input does the same again.
         let bytes = if bytes.len() % 4 == 3 { bytes.to_vec() } else { mended(bytes) };
         if bytes.get(..12) == reference.get(..12) {
-            behind_the_checksum.set(behind_the_checksum.get() + 1);
+            past_the_checksum.set(past_the_checksum.get() + 1);
         }
         for kind in kinds {
             let mut instance = Instance::new(&Starts::default(), GUID, kind);
@@ -145,6 +145,6 @@ fn a_serialized_state_is_refused_or_goes_on() {
             }
         }
     });
-    println!("fmu-state: {} reached the checksum, {} were taken", behind_the_checksum.get(), accepted.get());
+    println!("fmu-state: {} reached the checksum, {} were taken", past_the_checksum.get(), accepted.get());
     assert!(accepted.get() >= whole, "not even what was made is taken");
 }

@@ -202,15 +202,10 @@ pub enum Error {
         /// The rig file.
         rig: PathBuf,
     },
-<<<<<<< 
     /// No record can be evaluated by the paper's steps.
-    #[error("no trace can be evaluated by the published steps{first}; `--method exact` needs no single push and hold")]
-=======
-    /// Records none of which the paper's steps can evaluate.
     #[error(
         "no trace can be evaluated by the published steps{first}; use `--method exact`, which does not need a single push and hold"
     )]
->>>>>>> 
     NoPushAndHold {
         /// The first of them and the reason, in brackets after a space; or empty.
         first: String,

@@ -155,7 +155,7 @@ impl<R: Scalar> Inputs<R> for Passing<'_, R> {
     }
 
     /// Behind a gap, brings the gas to the temperature that is a parameter of the record, by heat from the wall.
-    fn behind<const N: usize>(&self, stretch: usize, state: &mut [R; N]) {
+    fn after_stretch<const N: usize>(&self, stretch: usize, state: &mut [R; N]) {
         let Some(gap) = self.gaps.iter().position(|gap| *gap == stretch) else { return };
         let balance = Balances::of(*self.chamber);
         let isentrope = Isentrope::through(&balance, &self.boundary(0, self.begin()));
@@ -282,7 +282,7 @@ impl<R: Scalar> Run<'_, R> {
         let isentrope = &Isentrope::through(balance, &at_begin);
         let initial = balance.state_at(EffectSet::ALL, &at_begin, start.pressure, start.temperature);
         let mut initial: [R; N] = core::array::from_fn(|i| initial[i]);
-        if let Some(wall_temperature) = initial.get_mut(OWN + effects::STATE_OFFSETS[WallHeating::PLACE]) {
+        if let Some(wall_temperature) = initial.get_mut(OWN + effects::STATE_OFFSETS[WallHeating::INDEX]) {
             *wall_temperature += correction.wall_warmer;
         }
         on_step(begin, initial[MASS]);
@@ -499,7 +499,7 @@ mod tests {
     #[test]
     fn a_lag_has_followed_a_record_that_begins_in_motion_since_long() {
         let swing = |t: f64| 0.1 - 0.02 * (1.0 - (std::f64::consts::TAU * 0.5 * t).cos());
-        let lag = SensorLag::PLACE;
+        let lag = SensorLag::INDEX;
         let along = |chamber: &Chamber, set: EffectSet, start: Start<f64>, times: &[f64], course: &Course| {
             let correction = Correction::NONE;
             Run { chamber, set, start, correction, course, relative_tolerance: 1e-10 }.pressures(times).unwrap()

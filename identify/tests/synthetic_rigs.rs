@@ -198,7 +198,7 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
 
 #[test]
 fn a_wall_that_tests_shortly_before_have_warmed_is_no_other_effect() {
-    let wall = WallHeating::PLACE;
+    let wall = WallHeating::INDEX;
     let mut recipe = Recipe { repeats: 1, noise_pa: 100.0, ..Recipe::from_seed(72) }.with_strength(wall, 1.0);
     (recipe.bench.start_warmer_k, recipe.bench.start_wall_warmer_k) = (7.0, 5.0);
     let found = traced(&recipe);

@@ -221,12 +221,12 @@ mod tests {
     proptest! {
         #[test]
         fn a_noise_free_exponential_is_found_from_no_guess(
-            pf in 0.5e5..8e5f64, share in prop_oneof![-0.4..-0.02f64, 0.02..0.6f64], tau in 0.05..1.2f64,
+            pf in 0.5e5..8e5f64, ratio in prop_oneof![-0.4..-0.02f64, 0.02..0.6f64], tau in 0.05..1.2f64,
         ) {
             let t = times(500, 0.01);
-            let fit = fit::<Exponential>(&t, &curve::<Exponential>([pf, share * pf, tau], &t)).unwrap();
+            let fit = fit::<Exponential>(&t, &curve::<Exponential>([pf, ratio * pf, tau], &t)).unwrap();
             prop_assert!((fit.parameters[0] / pf - 1.0).abs() < 1e-8);
-            prop_assert!((fit.parameters[1] / (share * pf) - 1.0).abs() < 1e-8);
+            prop_assert!((fit.parameters[1] / (ratio * pf) - 1.0).abs() < 1e-8);
             prop_assert!((fit.parameters[2] / tau - 1.0).abs() < 1e-8);
         }
 
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_holds_the_truth_about_19_times_in_20() {
+    fn the_interval_contains_the_true_value_about_19_times_in_20() {
         let t = times(300, 0.01);
         let truth = curve::<Exponential>([1.9e5, 0.5e5, 0.43], &t);
         let mut state = 7u64;

@@ -118,7 +118,7 @@ const ROWS_PER_TIME_CONSTANT: f64 = 50.0;
 ///
 /// # Errors
 /// If no exact decay has this regression.
-pub fn behind_regression(regression: &Regression, hold_time_constants: f64) -> Result<(f64, f64), Error> {
+pub fn decay_of_regression(regression: &Regression, hold_time_constants: f64) -> Result<(f64, f64), Error> {
     let tau = regression.time_constant_s;
     let rows = (hold_time_constants * ROWS_PER_TIME_CONSTANT).ceil() as usize;
     let time_s: Vec<f64> = (0..=rows).map(|i| i as f64 * tau / ROWS_PER_TIME_CONSTANT).collect();
@@ -152,7 +152,7 @@ mod tests {
         let curve: Vec<f64> = time_s.iter().map(|t| 1.9e5 / (1.0 - 0.22 * (-2.0 * t).exp())).collect();
         let p = decay::fit::<Exponential>(&time_s, &curve).unwrap().parameters;
         let regression = Regression { final_pressure_pa: p[0], pressure_rise_pa: p[1], time_constant_s: p[2] };
-        let (pf, rate) = behind_regression(&regression, 5.0 / p[2]).unwrap();
+        let (pf, rate) = decay_of_regression(&regression, 5.0 / p[2]).unwrap();
         assert!((pf / 1.9e5 - 1.0).abs() < 1e-4, "{pf}");
         assert!((rate / 2.0 - 1.0).abs() < 2e-3, "{rate}");
     }

@@ -141,7 +141,7 @@ pub fn reproduce() -> Result<Measured, Error> {
             let setup = Setup::air(test.bore_m, ambient.temperature_k.value);
             let steps = test.steps(ambient.temperature_k.value, ambient.standard_error_k)?;
             let exact = |hold: f64| -> Result<f64, Error> {
-                let (pf, rate) = exact_regression::behind_regression(&test.regression(), hold)?;
+                let (pf, rate) = exact_regression::decay_of_regression(&test.regression(), hold)?;
                 let ambient_k = setup.ambient_temperature_k;
                 Ok(exact_regression::quantities(&setup, ambient_k, &test.push(), pf, rate).coefficient_0_w_per_m2_k)
             };
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn the_inferred_ambient_temperature_is_near_298_kelvin_and_says_how_sure_it_is() {
+    fn the_inferred_ambient_temperature_is_near_298_kelvin_and_has_an_uncertainty() {
         let ambient = ambient_temperature(&measured_tests().unwrap()).unwrap();
         let t = ambient.temperature_k;
         assert!((t.value - chamber::paper::EXPERIMENTS_AMBIENT_TEMPERATURE_K).abs() < 1.5, "{t:?}");
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exact_decay_behind_a_printed_regression_is_slower_than_the_steps_say() {
+    fn the_exact_decay_of_a_printed_regression_is_slower_than_that_of_the_paper_s_steps() {
         for row in reproduce().unwrap().rows {
             let published = row.steps.coefficient_0_w_per_m2_k.value;
             let [five, ten] = row.exact_coefficient_0_w_per_m2_k;

@@ -132,8 +132,8 @@ fn is_interrupted(time_s: &[f64], position_m: &[f64], tolerance_m: f64) -> bool 
     if high - low > (1.0 + REBOUND) * travel.abs() + 2.0 * tolerance_m {
         return true;
     }
-    let share = |x: &f64| (x - first) / travel;
-    let on_its_way = |x: &f64| (BEGUN..1.0 - BEGUN).contains(&share(x));
+    let fraction = |x: &f64| (x - first) / travel;
+    let on_its_way = |x: &f64| (BEGUN..1.0 - BEGUN).contains(&fraction(x));
     let Some(from) = position_m.iter().position(on_its_way) else { return false };
     let to = position_m.iter().rposition(on_its_way).unwrap_or(from);
     let width = (REST_TRAVEL * travel.abs()).max(2.0 * tolerance_m);
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_push_and_hold_are_told_apart() {
+    fn rest_push_and_hold_are_distinguished() {
         for grain in [0.0, 1e-4] {
             let r = relaxation(&push(grain)).unwrap();
             assert!((59..=61).contains(&r.stop_row), "{}", r.stop_row);

@@ -117,10 +117,10 @@ impl Description {
         let mut columns = Columns::default();
         for row in 0..=rows {
             let t = row as f64 / timing.sample_rate_hz;
-            let share = (t / timing.push_s).min(1.0);
+            let fraction = (t / timing.push_s).min(1.0);
             // A row within rounding of the stop counts as part of the hold.
-            let held = share >= 1.0 - 1e-12;
-            let x = if held { x1 } else { x0 + (x1 - x0) * share };
+            let held = fraction >= 1.0 - 1e-12;
+            let x = if held { x1 } else { x0 + (x1 - x0) * fraction };
             let temperature = match (row, held) {
                 (0, _) => tamb,
                 (_, false) => closed.ramp(tamb, volume(x0), volume(x), t),

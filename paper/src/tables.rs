@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_place_of_a_printed_number_is_told_from_its_text() {
+    fn the_last_place_of_a_printed_number_follows_from_its_text() {
         for (text, place) in [("39.2e-6", 1e-7), ("0.4292", 1e-4), ("30", 1.0), ("1e5", 1e5), ("1.6e-4", 1e-5)] {
             assert!((last_place(text) / place - 1.0).abs() < 1e-12, "{text}");
         }

@@ -34,18 +34,18 @@ where
     T: Send + 'static,
     F: FnOnce() -> anyhow::Result<T> + Send + 'static,
 {
-    let mut told = None;
-    let mut tell = |py: Python<'_>| {
+    let mut reported = None;
+    let mut report = |py: Python<'_>| {
         let done = watch.done.load(Relaxed);
-        if told != Some(done)
+        if reported != Some(done)
             && let Some(progress) = &progress
         {
             progress.call1(py, (done,))?;
-            told = Some(done);
+            reported = Some(done);
         }
         Ok(())
     };
-    let result = wait(py, work, &mut tell).and_then(|result| tell(py).map(|()| result));
+    let result = wait(py, work, &mut report).and_then(|result| report(py).map(|()| result));
     if result.is_err() {
         watch.stop.store(true, Relaxed);
     }
@@ -90,7 +90,7 @@ where
     loop {
         let exclusive = &mut receiver;
         match py.detach(move || exclusive.recv_timeout(PAUSE)) {
-            Ok(Ok(result)) => return result.map_err(|error| Error::new_err(pneutherm::sentence(&error))),
+            Ok(Ok(result)) => return result.map_err(|error| Error::new_err(pneutherm::error_message(&error))),
             Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => {
                 return Err(Error::new_err("a defect of pneutherm: please report what it wrote to standard error"));
             }

@@ -7,12 +7,12 @@ use std::process::Command;
 fn library() -> PathBuf {
     let name = format!("{}pneutherm_native{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let program = std::env::current_exe().unwrap();
-    let places = program.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
-    places.into_iter().find(|path| path.exists()).unwrap_or_else(|| panic!("{name} was not built"))
+    let candidates = program.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
+    candidates.into_iter().find(|path| path.exists()).unwrap_or_else(|| panic!("{name} was not built"))
 }
 
 #[test]
-fn python_imports_the_library_and_hears_the_sentence() {
+fn python_imports_the_library_and_gets_its_error_message() {
     if Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: no python3 here");
         return;
@@ -31,6 +31,6 @@ fn python_imports_the_library_and_hears_the_sentence() {
     let code = "import pneutherm\ntry:\n    pneutherm.identify('absent')\nexcept pneutherm.Error as e:\n    print(e)";
     // In the folder, whose package comes first then.
     let output = Command::new("python3").args(["-c", code]).current_dir(folder.path()).output().unwrap();
-    let (told, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(told.starts_with("absent: cannot be read"), "{told}{wrong}");
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(stdout.starts_with("absent: cannot be read"), "{stdout}{stderr}");
 }

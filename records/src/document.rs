@@ -38,7 +38,7 @@ pub enum Kind {
 
 impl Kind {
     /// What is expected, for an error message.
-    fn words(self) -> &'static str {
+    fn description(self) -> &'static str {
         match self {
             Kind::Rig => "a rig file (TOML) that names it is expected here, and `pneutherm look` writes one",
             Kind::Model => "a model file (TOML), as `pneutherm identify` writes it, is expected here",
@@ -82,7 +82,9 @@ impl Document {
         let bytes = read_bytes(path).map_err(unreadable)?;
         let parsed = text_of(&bytes).map_err(unreadable).and_then(|text| Self::parse(path, text));
         match parsed {
-            Err(_) if is_trace(path, &bytes) => Err(Error::IsTrace { path: path.to_owned(), expected: kind.words() }),
+            Err(_) if is_trace(path, &bytes) => {
+                Err(Error::IsTrace { path: path.to_owned(), expected: kind.description() })
+            }
             parsed => parsed,
         }
     }
@@ -303,17 +305,21 @@ mod tests {
     }
 
     #[test]
-    fn a_trace_in_the_place_of_a_settings_file_is_told_as_such() {
+    fn a_trace_given_instead_of_a_settings_file_is_named_as_such() {
         let folder = tempfile::tempdir().unwrap();
         let rows: String = (0..9).map(|k| format!("0,{k};1,01;100,0\r\n")).collect();
         let latin: Vec<u8> = format!("Prüfstand\r\nZeit;Druck;Weg\r\n{rows}").chars().map(|c| c as u8).collect();
         for name in ["run.csv", "run.txt", "run"] {
             let path = folder.path().join(name);
             std::fs::write(&path, &latin).unwrap();
-            let said = |kind| Document::read_as(kind, &path).unwrap_err().to_string();
+            let message = |kind| Document::read_as(kind, &path).unwrap_err().to_string();
             let begin = format!("{}: this looks like a trace; ", path.display());
-            assert!(said(Kind::Rig).starts_with(&format!("{begin}a rig file (TOML)")), "{}", said(Kind::Rig));
-            assert!(said(Kind::Model).starts_with(&format!("{begin}a model file (TOML)")), "{}", said(Kind::Model));
+            assert!(message(Kind::Rig).starts_with(&format!("{begin}a rig file (TOML)")), "{}", message(Kind::Rig));
+            assert!(
+                message(Kind::Model).starts_with(&format!("{begin}a model file (TOML)")),
+                "{}",
+                message(Kind::Model)
+            );
         }
         for (name, text) in [("rig.toml", &b"bore_m = 0.02 \xb0\n"[..]), ("rig", b"[cylinder\n"), ("rig", b"\0\xff")] {
             let path = folder.path().join(name);

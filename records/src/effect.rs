@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 /// Writes the lines of an effect's table.
 pub fn write(out: &mut String, card: &Card, values: &[f64]) -> std::fmt::Result {
-    for (place, (parameter, value)) in card.parameters.iter().zip(values).enumerate() {
+    for (index, (parameter, value)) in card.parameters.iter().zip(values).enumerate() {
         match parameter.kind {
             Kind::Number => writeln!(out, "{} = {}", parameter.key(), number(*value))?,
             // A number that encodes no word is written as it is, and refused when read back.
@@ -20,12 +20,12 @@ pub fn write(out: &mut String, card: &Card, values: &[f64]) -> std::fmt::Result 
                 Some(word) => writeln!(out, "{} = {}", parameter.name, quoted(word))?,
                 None => writeln!(out, "{} = {}", parameter.name, number(*value))?,
             },
-            Kind::Place { index: 0, .. } => {
+            Kind::ListEntry { index: 0, .. } => {
                 let entries: Vec<String> =
-                    values[place..][..(card.length)(values)].iter().map(|v| number(*v)).collect();
+                    values[index..][..(card.length)(values)].iter().map(|v| number(*v)).collect();
                 writeln!(out, "{} = [{}]", parameter.name, entries.join(", "))?;
             }
-            Kind::Place { .. } => {}
+            Kind::ListEntry { .. } => {}
         }
     }
     Ok(())
@@ -39,26 +39,26 @@ pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Er
     let keys: Vec<String> = card.parameters.iter().map(key_of_file).collect();
     table.allow(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
     let mut first_list: Option<(&str, usize)> = None;
-    for (place, (parameter, key)) in card.parameters.iter().zip(&keys).enumerate() {
+    for (index, (parameter, key)) in card.parameters.iter().zip(&keys).enumerate() {
         match parameter.kind {
             Kind::Number => {
                 let bounds = Bounds::Within(parameter.bounds.clone(), "");
-                values[place] = table.number(key, &bounds)?.unwrap_or(parameter.neutral);
+                values[index] = table.number(key, &bounds)?.unwrap_or(parameter.neutral);
             }
-            Kind::Word(words) => values[place] = word(table, key, words)?,
-            Kind::Place { index: 0, rising } => {
-                let places = card.parameters[place..].iter().take_while(|p| p.name == parameter.name).count();
-                let list = list(table, parameter, places, rising)?;
+            Kind::Word(words) => values[index] = word(table, key, words)?,
+            Kind::ListEntry { index: 0, rising } => {
+                let entries = card.parameters[index..].iter().take_while(|p| p.name == parameter.name).count();
+                let list = list(table, parameter, entries, rising)?;
                 let (first, length) = *first_list.get_or_insert((parameter.name, list.len()));
                 if list.len() != length {
                     let problem = format!("has {} numbers, `{first}` has {length}", list.len());
                     return Err(table.contradiction(key, problem));
                 }
-                for k in 0..places {
-                    values[place + k] = list[k.min(length - 1)];
+                for k in 0..entries {
+                    values[index + k] = list[k.min(length - 1)];
                 }
             }
-            Kind::Place { .. } => {}
+            Kind::ListEntry { .. } => {}
         }
     }
     (card.check)(values).map_err(|problem| table.contradiction(&keys[0], problem))
@@ -67,7 +67,7 @@ pub fn read(table: &Table<'_>, card: &Card, values: &mut [f64]) -> Result<(), Er
 /// The key that holds a parameter: for a list entry, that of its list.
 fn key_of_file(parameter: &Parameter) -> String {
     match parameter.kind {
-        Kind::Place { .. } => parameter.name.to_owned(),
+        Kind::ListEntry { .. } => parameter.name.to_owned(),
         _ => parameter.key(),
     }
 }
@@ -78,13 +78,13 @@ fn word(table: &Table<'_>, key: &str, words: &[&str]) -> Result<f64, Error> {
     table.choice(key, &numbered)?.ok_or_else(|| table.missing(key, &format!("one of {}", words.join(", "))))
 }
 
-/// A list of one to `places` numbers.
-fn list(table: &Table<'_>, parameter: &Parameter, places: usize, rising: bool) -> Result<Vec<f64>, Error> {
+/// A list of one to `entries` numbers.
+fn list(table: &Table<'_>, parameter: &Parameter, entries: usize, rising: bool) -> Result<Vec<f64>, Error> {
     let (key, bounds) = (parameter.name, Bounds::Within(parameter.bounds.clone(), ""));
-    let expected = format!("a list of 1 to {places} numbers");
+    let expected = format!("a list of 1 to {entries} numbers");
     let list = table.numbers(key, &bounds)?.ok_or_else(|| table.missing(key, &expected))?;
     let refuse = |problem: String| Err(table.contradiction(key, problem));
-    if list.is_empty() || list.len() > places {
+    if list.is_empty() || list.len() > entries {
         return refuse(format!("has {} numbers; expected {expected}", list.len()));
     }
     match list.windows(2).find(|pair| rising && pair[1] <= pair[0]) {

@@ -131,12 +131,12 @@ impl<'d> Field<'d> {
         let number = match value {
             Value::Integer(integer) => *integer as f64,
             Value::Number(number) => *number,
-            other => return Err(self.wrong_type(&bounds.words(), other)),
+            other => return Err(self.wrong_type(&bounds.description(), other)),
         };
         if bounds.allow(number) {
             return Ok(number);
         }
-        Err(self.refuse(KeyProblem::OutOfBounds { value: number, expected: bounds.words() }))
+        Err(self.refuse(KeyProblem::OutOfBounds { value: number, expected: bounds.description() }))
     }
 
     pub(crate) fn wrong_type(&self, expected: &str, found: &Value) -> Error {

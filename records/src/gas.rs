@@ -56,10 +56,10 @@ pub(crate) fn read(root: &Table<'_>) -> Result<NamedGas, Error> {
     let gas = Gas {
         gas_constant: constant
             .or(known.map(|gas| gas.gas_constant))
-            .ok_or_else(|| table.missing(CONSTANT, &CONSTANT_BOUNDS.words()))?,
+            .ok_or_else(|| table.missing(CONSTANT, &CONSTANT_BOUNDS.description()))?,
         heat_capacity_ratio: ratio
             .or(known.map(|gas| gas.heat_capacity_ratio))
-            .ok_or_else(|| table.missing(RATIO, &RATIO_BOUNDS.words()))?,
+            .ok_or_else(|| table.missing(RATIO, &RATIO_BOUNDS.description()))?,
     };
     Ok(NamedGas { name: name.map(str::to_owned), gas })
 }

@@ -104,8 +104,8 @@ impl Bounds {
             }
     }
 
-    /// What is allowed, in words.
-    pub fn words(&self) -> String {
+    /// Describes what is allowed.
+    pub fn description(&self) -> String {
         match self {
             Bounds::Finite => "a finite number".to_owned(),
             Bounds::Positive => "a positive number".to_owned(),

@@ -59,7 +59,10 @@ pub use opened::opened_from;
 pub use provenance::{LAST_SECOND, OfEachRecord, Provenance, Rmse, SourceTrace, Verdict, as_utc, utc};
 pub use rig::{Ambient, Cylinder, DeadVolume, Experiment, Rig, RigFile};
 pub use shut::shut_from;
-pub use statistics::{DEVIATION_OF_MEDIAN, bends, correlation, extremes, median, noise_of_bends, turned_back};
+pub use statistics::{
+    DEVIATION_OF_MEDIAN, correlation, extremes, median, noise_of_second_differences, reversal_fraction,
+    second_differences,
+};
 pub use table::Table;
-pub use trace::{LeftOut, LineNumbers, Need, Reading, Trace, Window, fields_of_line, near_column};
+pub use trace::{DroppedRow, LineNumbers, Need, Reading, Trace, Window, fields_of_line, near_column};
 pub use uncertainty::Uncertainty;

@@ -134,10 +134,10 @@ impl Model {
 
     /// Turns off the effects that act on the stroke record, for uses in which the stroke is the true one; returns those that were
     /// on.
-    pub fn leave_out_recorded_stroke(&mut self) -> EffectSet {
-        let left_out = self.active().intersection(effects::of_recorded_stroke());
-        self.chamber.effects = self.chamber.effects.without(left_out);
-        left_out
+    pub fn exclude_recorded_stroke_effects(&mut self) -> EffectSet {
+        let excluded = self.active().intersection(effects::of_recorded_stroke());
+        self.chamber.effects = self.chamber.effects.without(excluded);
+        excluded
     }
 
     /// The effects that are on.

@@ -1,4 +1,4 @@
-//! Detects that a chamber was opened while its piston is held: the pressure departs abruptly from its course.
+//! Detects that a chamber was opened while its piston is held: the pressure departs abruptly from its trend.
 //!
 //! In a closed chamber with a held piston the pressure relaxes smoothly: a few readings lie on the straight line through those
 //! before them, except for noise. The earlier part of the hold shows how far they usually deviate, whatever the colour of the
@@ -10,37 +10,37 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use std::ops::Range;
 
 /// Smallest window, in readings; each further window width is half as large again.
-const FEWEST: usize = 8;
-/// The line is fitted to this many times as many readings before the window.
-const BEFORE: usize = 2;
+const MIN_WIDTH: usize = 8;
+/// The line is fitted to the readings of this many window widths before the window.
+const LINE_WINDOWS: usize = 2;
 /// Number of earlier windows, in the later half of the hold so far, where the gas has mostly relaxed, that show the usual
 /// deviation: at least this many...
-const FEWEST_PLACES: usize = 8;
+const MIN_EARLIER_WINDOWS: usize = 8;
 /// ...and at most this many, the last ones.
-const MOST_PLACES: usize = 64;
+const MAX_EARLIER_WINDOWS: usize = 64;
 /// Readings of an open chamber deviate by more than this multiple of the usual deviation: chance does not reach ten standard
 /// deviations in any record, and an opened port goes far beyond...
-const TIMES: f64 = 10.0;
+const USUAL_DEVIATION_MULTIPLE: f64 = 10.0;
 /// ...and by this multiple of the largest deviation in those windows, because few windows show the usual deviation poorly.
-const TIMES_WORST: f64 = 4.0;
+const LARGEST_DEVIATION_MULTIPLE: f64 = 4.0;
 /// If the hold continues after the window, far more readings could be mistaken for those of an open chamber: both multiples are
 /// larger by this factor.
-const STRICTER: f64 = 2.0;
+const INNER_WINDOW_FACTOR: f64 = 2.0;
 /// Readings before a window belong to the open chamber if they deviate by more than this many standard deviations of a single
 /// reading...
-const OFF_COURSE: f64 = 3.0;
+const NOISE_DEVIATIONS: f64 = 3.0;
 /// ...and by more than this fraction of the window's deviation.
-const SHARE_OF_WINDOW: f64 = 0.1;
+const WINDOW_DEVIATION_FRACTION: f64 = 0.1;
 /// An opened port changes the slope by this multiple of its earlier value: a seal that shuts, or a move that ends later than in
 /// the position record, reduces it.
-const TIMES_SLOPE: f64 = 2.0;
+const MIN_SLOPE_RATIO: f64 = 2.0;
 
 /// Index of the first reading of a hold from which on the chamber is open. Each reading has its time, s, and pressure, Pa.
 /// `noise_pa`: standard deviation of a reading, including rounding, Pa.
 pub fn opened_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<usize> {
-    let most = time_s.len() / 2 / (FEWEST_PLACES + 1);
+    let most = time_s.len() / 2 / (MIN_EARLIER_WINDOWS + 1);
     let widths =
-        std::iter::successors(Some(FEWEST), |width| Some(width + width / 2)).take_while(|width| *width <= most);
+        std::iter::successors(Some(MIN_WIDTH), |width| Some(width + width / 2)).take_while(|width| *width <= most);
     widths.filter_map(|width| Hold { time_s, pressure_pa, noise_pa, width }.opened_from()).min()
 }
 
@@ -57,70 +57,72 @@ impl Hold<'_> {
     /// First reading of the open chamber according to windows of this width, aligned with the end of the hold.
     fn opened_from(&self) -> Option<usize> {
         let (rows, width) = (self.time_s.len(), self.width);
-        let most = (rows - BEFORE * width) / width;
+        let most = (rows - LINE_WINDOWS * width) / width;
         let windows: Vec<usize> = (1..=most).rev().map(|k| rows - k * width).collect();
-        let off: Vec<f64> = windows.iter().map(|first| self.off_course(*first).abs()).collect();
-        let noticeable = TIMES * self.error_pa();
+        let deviations_pa: Vec<f64> = windows.iter().map(|first| self.deviation_pa(*first).abs()).collect();
+        let noticeable = USUAL_DEVIATION_MULTIPLE * self.error_pa();
         let is_open = |k: &usize| {
             let later_half = windows[..*k].partition_point(|first| *first < windows[*k] / 2);
-            let places = later_half.max(k.saturating_sub(MOST_PLACES))..*k;
-            self.is_open(windows[*k], off[*k], &off[places])
+            let earlier = later_half.max(k.saturating_sub(MAX_EARLIER_WINDOWS))..*k;
+            self.is_open(windows[*k], deviations_pa[*k], &deviations_pa[earlier])
         };
-        (0..windows.len())
-            .filter(|k| off[*k] > noticeable)
-            .find(is_open)
-            .map(|k| self.left_course(windows[k], (OFF_COURSE * self.noise_pa).max(SHARE_OF_WINDOW * off[k])))
+        (0..windows.len()).filter(|k| deviations_pa[*k] > noticeable).find(is_open).map(|k| {
+            self.departure(
+                windows[k],
+                (NOISE_DEVIATIONS * self.noise_pa).max(WINDOW_DEVIATION_FRACTION * deviations_pa[k]),
+            )
+        })
     }
 
     /// The straight line through the readings before a given one.
-    fn course(&self, first: usize) -> Line {
-        let rows = first - BEFORE * self.width..first;
+    fn line_before(&self, first: usize) -> Line {
+        let rows = first - LINE_WINDOWS * self.width..first;
         Line::through(&self.time_s[rows.clone()], &self.pressure_pa[rows])
     }
 
     /// Median deviation of a window's readings, Pa, from the line through those before it.
-    fn off_course(&self, first: usize) -> f64 {
-        let course = self.course(first);
+    fn deviation_pa(&self, first: usize) -> f64 {
+        let line = self.line_before(first);
         let rows = first..first + self.width;
-        median(rows.map(|row| self.pressure_pa[row] - course.at(self.time_s[row])).collect::<Vec<f64>>())
+        median(rows.map(|row| self.pressure_pa[row] - line.at(self.time_s[row])).collect::<Vec<f64>>())
     }
 
     /// Standard deviation of that median due to noise, Pa: the line's error in the middle of a window is 1/before + 12
     /// distance²/before³.
     fn error_pa(&self) -> f64 {
-        let (w, b) = (self.width as f64, (BEFORE * self.width) as f64);
+        let (w, b) = (self.width as f64, (LINE_WINDOWS * self.width) as f64);
         let distance = 0.5 * (w + b);
         self.noise_pa * (1.0 / w + 1.0 / b + 12.0 * distance * distance / b.powi(3)).sqrt()
     }
 
     /// Whether a window's readings are of an open chamber, given their deviation, Pa, and the deviations in earlier windows, Pa.
-    fn is_open(&self, first: usize, off_pa: f64, elsewhere: &[f64]) -> bool {
+    fn is_open(&self, first: usize, deviation_pa: f64, earlier_pa: &[f64]) -> bool {
         let is_last = first + self.width == self.time_s.len();
-        let stricter = if is_last { 1.0 } else { STRICTER };
-        let worst = elsewhere.iter().copied().fold(0.0, f64::max);
-        let usual = DEVIATION_OF_MEDIAN * median(elsewhere.to_vec());
-        elsewhere.len() >= FEWEST_PLACES
-            && off_pa > stricter * (TIMES * usual).max(TIMES_WORST * worst)
-            && (is_last || self.stays_open(first, off_pa))
+        let factor = if is_last { 1.0 } else { INNER_WINDOW_FACTOR };
+        let worst = earlier_pa.iter().copied().fold(0.0, f64::max);
+        let usual = DEVIATION_OF_MEDIAN * median(earlier_pa.to_vec());
+        earlier_pa.len() >= MIN_EARLIER_WINDOWS
+            && deviation_pa > factor * (USUAL_DEVIATION_MULTIPLE * usual).max(LARGEST_DEVIATION_MULTIPLE * worst)
+            && (is_last || self.stays_open(first, deviation_pa))
     }
 
     /// Whether the change lasts: until the end of the hold, the pressure moves on to a new level.
-    fn stays_open(&self, first: usize, off_pa: f64) -> bool {
-        let course = self.course(first);
-        let distance_s = median(self.time_s[first..first + self.width].to_vec()) - course.middle_s;
+    fn stays_open(&self, first: usize, deviation_pa: f64) -> bool {
+        let line = self.line_before(first);
+        let distance_s = median(self.time_s[first..first + self.width].to_vec()) - line.middle_s;
         let mean = |rows: Range<usize>| self.pressure_pa[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
         let rows = self.time_s.len();
-        let went = mean(rows - self.width..rows) - course.mean;
-        let relaxed = mean(first / 2..first / 2 + self.width) - course.mean;
-        off_pa > TIMES_SLOPE * (course.slope * distance_s).abs() && went.abs() > relaxed.abs().max(off_pa)
+        let went = mean(rows - self.width..rows) - line.mean;
+        let relaxed = mean(first / 2..first / 2 + self.width) - line.mean;
+        deviation_pa > MIN_SLOPE_RATIO * (line.slope * distance_s).abs() && went.abs() > relaxed.abs().max(deviation_pa)
     }
 
-    /// First of the consecutive readings, up to an open window, that deviate by more than `off_pa`, Pa: the pressure may have
-    /// departed from its course within the readings of the line.
-    fn left_course(&self, first: usize, off_pa: f64) -> usize {
-        let before = BEFORE * self.width;
-        let course = self.course(first.saturating_sub(self.width).max(before));
-        let is_off = |row: &usize| (self.pressure_pa[*row] - course.at(self.time_s[*row])).abs() > off_pa;
+    /// First of the consecutive readings, up to an open window, that deviate by more than `threshold_pa`, Pa: the pressure may
+    /// have departed from the line among the readings it is fitted to.
+    fn departure(&self, first: usize, threshold_pa: f64) -> usize {
+        let before = LINE_WINDOWS * self.width;
+        let line = self.line_before(first.saturating_sub(self.width).max(before));
+        let is_off = |row: &usize| (self.pressure_pa[*row] - line.at(self.time_s[*row])).abs() > threshold_pa;
         (before..first + self.width).rev().take_while(is_off).last().unwrap_or(first)
     }
 }

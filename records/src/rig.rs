@@ -257,9 +257,10 @@ fn refuse_same_names(tables: &[Table<'_>], plan: &[PlannedExperiment]) -> Result
 /// Refuses a record that mostly consists of another record's rows: a copy is no repeat. A test may begin with the rest at the end
 /// of the previous one.
 fn refuse_copy(trace: &Trace, [from_s, to_s]: [f64; 2], seen: &[(String, PathBuf, [f64; 2])]) -> Result<(), Error> {
-    /// Fraction of the shorter of two records that they may share.
-    const SHARED: f64 = 0.5;
-    let is_copied = |[from, to]: [f64; 2]| to_s.min(to) - from_s.max(from) > SHARED * (to_s - from_s).min(to - from);
+    /// Fraction of the shorter of two records by which they may overlap.
+    const MAX_OVERLAP: f64 = 0.5;
+    let is_copied =
+        |[from, to]: [f64; 2]| to_s.min(to) - from_s.max(from) > MAX_OVERLAP * (to_s - from_s).min(to - from);
     match seen.iter().find(|(sha256, _, other)| *sha256 == trace.sha256 && is_copied(*other)) {
         Some((_, other, _)) => Err(Error::trace(&trace.path, TraceProblem::Copy { other: other.clone() })),
         None => Ok(()),

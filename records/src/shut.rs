@@ -7,15 +7,15 @@
 use crate::statistics::{interval, median};
 
 /// Minimum number of readings compared on each side of a moment...
-const FEWEST: usize = 8;
+const MIN_READINGS: usize = 8;
 /// ...or this duration, s, if it contains more.
 const BESIDE_S: f64 = 0.05;
 /// Before the moment the pressure changes by this multiple of its change after it...
-const TIMES: f64 = 3.0;
+const MIN_CHANGE_RATIO: f64 = 3.0;
 /// ...plus this many standard deviations of a reading...
-const DEVIATIONS: f64 = 10.0;
+const NOISE_DEVIATIONS: f64 = 10.0;
 /// ...and by this fraction of itself, which neither weather nor a slow leak reaches.
-const SHARE: f64 = 0.005;
+const MIN_RELATIVE_CHANGE: f64 = 0.005;
 
 /// Index of the first reading of a rest that certainly follows the shutting of the port; `None` where no shutting is detected.
 /// Each reading has its time, s, and pressure, Pa. `noise_pa`: standard deviation of a reading, including rounding, Pa.
@@ -23,15 +23,16 @@ pub fn shut_from(time_s: &[f64], pressure_pa: &[f64], noise_pa: f64) -> Option<u
     if time_s.len() < 2 {
         return None;
     }
-    let width = FEWEST.max((BESIDE_S / interval(time_s).max(f64::MIN_POSITIVE)) as usize);
+    let width = MIN_READINGS.max((BESIDE_S / interval(time_s).max(f64::MIN_POSITIVE)) as usize);
     // Medians of three, so that a single spike is no change.
     let level = |row: usize| median([row - 1, row, row + 1].map(|row| pressure_pa[row]));
-    let is_kink = |row: &usize| {
+    let stops_abruptly = |row: &usize| {
         let [before, at, after] = [row - width, *row, row + width].map(level);
         let change = (at - before).abs();
-        change > TIMES * (after - at).abs() + DEVIATIONS * noise_pa && change > SHARE * at.abs()
+        change > MIN_CHANGE_RATIO * (after - at).abs() + NOISE_DEVIATIONS * noise_pa
+            && change > MIN_RELATIVE_CHANGE * at.abs()
     };
-    (width + 1..time_s.len().saturating_sub(width + 1)).rev().find(is_kink)
+    (width + 1..time_s.len().saturating_sub(width + 1)).rev().find(stops_abruptly)
 }
 
 #[cfg(test)]

@@ -15,23 +15,23 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 /// Standard deviation of white noise on a signal, from second differences.
 pub(crate) fn white_noise(values: &[f64]) -> f64 {
-    noise_of_bends(bends(values).collect())
+    noise_of_second_differences(second_differences(values).collect())
 }
 
 /// Absolute second differences of a signal, which are zero for steady change.
-pub fn bends(values: &[f64]) -> impl Iterator<Item = f64> {
+pub fn second_differences(values: &[f64]) -> impl Iterator<Item = f64> {
     values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs())
 }
 
 /// Standard deviation of white noise with absolute second differences of these sizes; 0 for none. Based on their median, so that
 /// a few large ones have no influence. The variance of a second difference is 1 + 4 + 1 times that of the values.
-pub fn noise_of_bends(bends: Vec<f64>) -> f64 {
-    DEVIATION_OF_MEDIAN * median(bends) / 6.0_f64.sqrt()
+pub fn noise_of_second_differences(second_differences: Vec<f64>) -> f64 {
+    DEVIATION_OF_MEDIAN * median(second_differences) / 6.0_f64.sqrt()
 }
 
 /// Fraction of the changes between values whose sign differs from that of the previous change: two thirds for noise, zero for
 /// monotonic change. Repeated values are skipped.
-pub fn turned_back(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn reversal_fraction(values: impl IntoIterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.into_iter().collect();
     let changes: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|change| *change != 0.0).collect();
     let pairs = changes.windows(2);
@@ -60,7 +60,7 @@ pub fn extremes(values: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{correlation, turned_back};
+    use super::{correlation, reversal_fraction};
 
     #[test]
     fn series_on_one_line_correlate_fully_and_a_constant_with_nothing() {
@@ -71,11 +71,11 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_on_turns_nothing_back_and_what_goes_to_and_fro_all_of_it() {
-        assert_eq!(turned_back([1.0, 2.0, 2.0, 3.0, 5.0]), 0.0);
-        assert_eq!(turned_back([1.0, 2.0, 2.0, 1.0, 2.0]), 1.0);
-        assert_eq!(turned_back([1.0, 2.0, 1.0, 0.0]), 0.5);
-        assert_eq!(turned_back([1.0; 5]), 0.0);
-        assert_eq!(turned_back([]), 0.0);
+    fn monotonic_change_reverses_nowhere_and_alternating_change_everywhere() {
+        assert_eq!(reversal_fraction([1.0, 2.0, 2.0, 3.0, 5.0]), 0.0);
+        assert_eq!(reversal_fraction([1.0, 2.0, 2.0, 1.0, 2.0]), 1.0);
+        assert_eq!(reversal_fraction([1.0, 2.0, 1.0, 0.0]), 0.5);
+        assert_eq!(reversal_fraction([1.0; 5]), 0.0);
+        assert_eq!(reversal_fraction([]), 0.0);
     }
 }

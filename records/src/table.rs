@@ -85,7 +85,7 @@ impl<'d> Table<'d> {
 
     /// A required number.
     pub fn required_number(&self, key: &str, bounds: &Bounds) -> Result<f64, Error> {
-        self.number(key, bounds)?.ok_or_else(|| self.missing(key, &bounds.words()))
+        self.number(key, bounds)?.ok_or_else(|| self.missing(key, &bounds.description()))
     }
 
     /// A whole number of zero or above.

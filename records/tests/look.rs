@@ -230,7 +230,7 @@ fn blanks_under_a_commented_header_with_empty_cells_and_repeated_times() {
     let last = text.lines().last().unwrap().to_owned();
     text += &format!("{last}\n    5.190   -  100.0\n");
     let trace = assert_is_the_example("blanks.dat", text.as_bytes());
-    assert_eq!(trace.left_out.len(), 2);
+    assert_eq!(trace.dropped_rows.len(), 2);
 }
 
 #[test]
@@ -242,7 +242,7 @@ fn unsorted_rows() {
 }
 
 #[test]
-fn positions_from_the_other_end_and_below_zero_are_turned_and_said() {
+fn positions_from_the_other_end_and_below_zero_are_converted_and_reported() {
     let text = table("t (s),p (bar),x (mm)", |t, p, x| format!("{t},{:.6},{:.4}", p / 1e5, 200.0 - x * 1e3));
     let (_folder, _, look, trace) = looked_at("turned.csv", text.as_bytes());
     assert_eq!(look.guess.of(Quantity::Position).unwrap().sign, -1.0);
@@ -286,13 +286,13 @@ fn readings_far_off_tell_neither_where_pressures_count_from_nor_their_unit() {
             let pressure = look.guess.of(Quantity::Pressure).unwrap();
             assert!(!pressure.gauge, "{marker} in {name}");
             assert_eq!(pressure.unit.factor * unit, 1e5, "{marker} in {name}");
-            assert!(marker == "1e9" || trace.left_out.len() == 1, "{marker} in {name}");
+            assert!(marker == "1e9" || trace.dropped_rows.len() == 1, "{marker} in {name}");
         }
     }
 }
 
 #[test]
-fn a_unit_in_the_name_is_taken_in_every_spelling_and_an_unknown_one_is_told() {
+fn a_unit_in_the_name_is_read_in_every_spelling_and_an_unknown_one_is_reported() {
     for (header, unit, factor) in [
         ("Pressure mbar(a)", "mbar", 100.0),
         ("Druck mbar abs", "mbar", 100.0),
@@ -362,7 +362,7 @@ fn a_position_in_percent_is_asked_for_its_range() {
 }
 
 #[test]
-fn what_cannot_be_told_is_asked_for_and_a_named_column_is_taken() {
+fn what_cannot_be_inferred_is_asked_for_and_a_named_column_is_used() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("abc.csv");
     std::fs::write(&path, table("a,b,c", |t, p, x| format!("{t},{p},{x}"))).unwrap();

@@ -293,7 +293,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_a_file_holds_reading_ends_with_a_model_or_a_sentence(text in "(\\[chamber\\]\n)?[a-z_=\\[\\]{}\"0-9. \n]{0,120}") {
+    fn any_file_is_read_as_a_model_or_refused_with_a_message(text in "(\\[chamber\\]\n)?[a-z_=\\[\\]{}\"0-9. \n]{0,120}") {
         if let Err(error) = parse(&text) {
             prop_assert!(error.to_string().starts_with("model.toml: line "));
         }

@@ -40,7 +40,7 @@ fn a_rig_is_read_with_its_experiments_from_file_or_folder() {
 }
 
 #[test]
-fn a_trace_s_trouble_is_told_by_the_trace_s_name() {
+fn a_problem_of_a_trace_is_reported_with_the_trace_s_name() {
     let folder = tempfile::tempdir().unwrap();
     let rig = "[cylinder]\nbore_m = 0.02\n[[experiment]]\nname = \"a\"\ntraces = [\"run 1.csv\"]\n";
     std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
@@ -310,7 +310,7 @@ fn a_missing_rig_is_named() {
 }
 
 #[test]
-fn a_folder_without_a_rig_file_is_told_how_to_get_one() {
+fn a_folder_without_a_rig_file_is_refused_with_a_hint_on_how_to_get_one() {
     let folder = tempfile::tempdir().unwrap();
     let message = RigFile::read(folder.path()).unwrap_err().to_string();
     assert!(message.contains("has no rig.toml; `pneutherm look"), "{message}");
@@ -357,7 +357,7 @@ fn a_dead_volume_beside_which_no_stroke_would_show_is_refused() {
 }
 
 #[test]
-fn a_decimal_comma_in_a_rig_file_is_told() {
+fn a_decimal_comma_in_a_rig_file_is_reported() {
     refusal("[cylinder]\nbore_m = 0,02\n", &["line 2", "not valid TOML", "numbers have a decimal point here"]);
     let message = parse("[cylinder]\nbore_m = 0.02 0.03\n").unwrap_err().to_string();
     assert!(!message.contains("decimal point"), "{message}");

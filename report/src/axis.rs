@@ -25,7 +25,7 @@ impl<'a> Axis<'a> {
     }
 
     /// Position of a value along the axis: the value, or its logarithm.
-    pub(crate) fn place(&self, value: f64) -> f64 {
+    pub(crate) fn position_of(&self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
     }
 
@@ -39,7 +39,7 @@ impl<'a> Axis<'a> {
         }
         let ticks = if self.logarithmic { decades(from, to) } else { round(from, to, about) };
         match self.range {
-            Some(range) => ticks.within([self.place(range[0]), self.place(range[1])]),
+            Some(range) => ticks.within([self.position_of(range[0]), self.position_of(range[1])]),
             None => ticks,
         }
     }
@@ -67,8 +67,8 @@ impl Ticks {
     }
 
     /// The text at a tick.
-    pub fn text(&self, place: f64) -> String {
-        let near = |at: &f64| (at - place).abs() <= 1e-9 * (self.range[1] - self.range[0]).abs();
+    pub fn text(&self, position: f64) -> String {
+        let near = |at: &f64| (at - position).abs() <= 1e-9 * (self.range[1] - self.range[0]).abs();
         self.at.iter().position(near).map_or(String::new(), |i| self.texts[i].clone())
     }
 

@@ -65,13 +65,13 @@ impl Chart<'_> {
         self.draw_axes(&mut chart, &x, &y)?;
         let most = (POINTS_A_PX * f64::from(self.size.0)) as usize;
         for series in &self.series {
-            let placed = |p: &(f64, f64)| (self.x.place(p.0), self.y.place(p.1));
+            let placed = |p: &(f64, f64)| (self.x.position_of(p.0), self.y.position_of(p.1));
             let within = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && p.0 >= x.range[0] && p.0 <= x.range[1];
             let points: Vec<(f64, f64)> = series.points.iter().map(placed).filter(within).collect();
             series::draw(area, &mut chart, series, thinned(points, most))?;
         }
         for (x, y, words) in &self.texts {
-            let (right, down) = on(area, &chart, (self.x.place(*x), self.y.place(*y)));
+            let (right, down) = on(area, &chart, (self.x.position_of(*x), self.y.position_of(*y)));
             let style = text(LABEL_PX).pos(Pos::new(HPos::Center, VPos::Bottom));
             area.draw(&Text::new(words.clone(), (right, down - units(5.0)), style)).map_err(failed)?;
         }

@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_time_has_the_unit_that_suits_it() {
-        let told = [0.0, 55.0, 0.7, 0.0234, 3.2e-3, 12e-6].map(|value| seconds(value, 2));
-        assert_eq!(told, ["0 s", "55 s", "0.70 s", "23 ms", "3.2 ms", "12 µs"]);
+        let texts = [0.0, 55.0, 0.7, 0.0234, 3.2e-3, 12e-6].map(|value| seconds(value, 2));
+        assert_eq!(texts, ["0 s", "55 s", "0.70 s", "23 ms", "3.2 ms", "12 µs"]);
     }
 }

@@ -51,9 +51,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let rig = Rig::read(&args.rig)?;
     output::check(args.output.iter().chain(&args.json).chain(&args.report), output::files(&rig))?;
     let bar = progress::bar(100, "{bar:30} {percent:>3} % {msg}");
-    let found = evaluation::diagnose(&rig, args.report.as_deref(), &|what, share| {
+    let found = evaluation::diagnose(&rig, args.report.as_deref(), &|what, fraction| {
         bar.set_message(what.to_owned());
-        bar.set_position((share * 100.0) as u64);
+        bar.set_position((fraction * 100.0) as u64);
     });
     bar.finish_and_clear();
     let found = found?;
@@ -253,20 +253,20 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_told_with_the_time_that_it_has() {
+    fn noise_is_reported_with_its_correlation_time() {
         let mut d = diagnosis();
-        let mut told = |coloured_pa, correlation_s, hum_hz| {
+        let mut text = |coloured_pa, correlation_s, hum_hz| {
             (d.noise.coloured_pa, d.noise.correlation_s, d.noise.hum_hz) = (coloured_pa, correlation_s, hum_hz);
             let mut out = String::new();
             recording(&mut out, &d);
             out
         };
-        assert!(!told(0.0, 0.0, None).contains("coloured"));
-        assert!(told(80.0, 0.0032, None).contains("coloured 80.0 Pa with a correlation time of 3.2 ms"));
+        assert!(!text(0.0, 0.0, None).contains("coloured"));
+        assert!(text(80.0, 0.0032, None).contains("coloured 80.0 Pa with a correlation time of 3.2 ms"));
         // A pure hum has no correlation time.
-        let hum = told(80.0, 0.0, Some(52.5));
+        let hum = text(80.0, 0.0, Some(52.5));
         assert!(hum.contains("hum of 80.0 Pa at 52.5 Hz") && !hum.contains("correlation time"), "{hum}");
-        assert!(told(80.0, 0.7, Some(52.5)).contains("correlation time of 0.70 s, in it a hum at 52.5 Hz"));
+        assert!(text(80.0, 0.7, Some(52.5)).contains("correlation time of 0.70 s, in it a hum at 52.5 Hz"));
     }
 
     #[test]
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_verdict_says_what_remains_and_no_number_where_there_is_none() {
+    fn a_verdict_states_what_remains_and_no_number_where_there_is_none() {
         let mut d = diagnosis();
         (d.verdict, d.effects, d.balance) = (Verdict::Unexplained, Vec::new(), "none");
         d.remainder = "a systematic misfit of 12.0 Pa rms remains".to_owned();
@@ -294,38 +294,38 @@ mod tests {
     }
 
     #[test]
-    fn an_improved_model_is_said_to_predict_better_only_where_it_does() {
+    fn an_improved_model_is_reported_to_predict_better_only_where_it_does() {
         let mut d = diagnosis();
         d.verdict = Verdict::Improved;
         d.steps.push(d.steps[0].clone());
-        let mut said = |plain: f64, weighed: f64| {
-            for (step, share) in d.steps.iter_mut().zip([1.0, plain]) {
-                step.rmse_pa.held_out = Some(400.0 * share);
+        let mut text = |plain: f64, weighed: f64| {
+            for (step, ratio) in d.steps.iter_mut().zip([1.0, plain]) {
+                step.rmse_pa.held_out = Some(400.0 * ratio);
             }
-            for (step, share) in d.steps.iter_mut().zip([1.0, weighed]) {
-                step.weighed_pa.held_out = Some(20.0 * share);
+            for (step, ratio) in d.steps.iter_mut().zip([1.0, weighed]) {
+                step.weighed_pa.held_out = Some(20.0 * ratio);
             }
             meaning(&d)
         };
-        assert!(said(0.5, 0.5).contains("predicts left-out data decisively better"));
-        assert!(said(1.2, 0.5).contains("predicts left-out data decisively better"));
-        assert!(said(1.2, 1.2).contains("is far likelier, but its error on left-out data is no smaller, and"));
+        assert!(text(0.5, 0.5).contains("predicts left-out data decisively better"));
+        assert!(text(1.2, 0.5).contains("predicts left-out data decisively better"));
+        assert!(text(1.2, 1.2).contains("is far likelier, but its error on left-out data is no smaller, and"));
     }
 
     #[test]
-    fn errors_that_the_positions_leave_open_in_moves_are_told_weighed_too() {
+    fn errors_that_the_positions_leave_open_in_moves_are_also_reported_weighed() {
         let mut d = diagnosis();
-        let told = |d: &Diagnosis| {
+        let text = |d: &Diagnosis| {
             let mut out = String::new();
             errors(&mut out, d);
             out
         };
-        assert!(!told(&d).contains("weighed"), "{}", told(&d));
+        assert!(!text(&d).contains("weighed"), "{}", text(&d));
         let step = d.steps.last_mut().unwrap();
         step.rmse_pa = Rmse { fit: 2994.0, held_out: Some(3105.0) };
         step.weighed_pa = Rmse { fit: 470.0, held_out: Some(480.0) };
-        let told = told(&d);
-        let lines: Vec<&str> = told.trim_end().lines().collect();
+        let text = text(&d);
+        let lines: Vec<&str> = text.trim_end().lines().collect();
         assert_eq!(
             lines[1..],
             [

@@ -52,9 +52,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let model_file = Document::read_as(Kind::Model, &args.model)?;
     let whole = Model::from_document(&model_file)?;
     let mut model = whole.clone();
-    let left_out = model.leave_out_recorded_stroke();
-    for place in 0..chamber::effects::COUNT {
-        fmu::table::effects::exported(place, model.chamber.effects.of(place))
+    let excluded = model.exclude_recorded_stroke_effects();
+    for index in 0..chamber::effects::COUNT {
+        fmu::table::effects::exported(index, model.chamber.effects.of(index))
             .map_err(|reason| anyhow::anyhow!("{}: the FMU cannot be made: {reason}", args.model.display()))?;
     }
     let name = args.output.file_stem().filter(|_| !output::is_stdout(&args.output)).and_then(|stem| stem.to_str());
@@ -65,9 +65,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         output::note(&format!("{}: most tools open an FMU only if its name ends in .fmu", args.output.display()));
     }
     // Uses the model's effects on the stroke record: the inputs in the FMU are the piston's true stroke.
-    let (validations, left_out_rows) =
+    let (validations, outlier_notes) =
         rig.as_ref().map_or_else(|| Ok(Default::default()), |rig| measured::validations(&whole, rig))?;
-    rig.iter().flat_map(|rig| measured::notes(&whole, rig)).chain(left_out_rows).for_each(|note| output::note(&note));
+    rig.iter().flat_map(|rig| measured::notes(&whole, rig)).chain(outlier_notes).for_each(|note| output::note(&note));
     let bytes = package(args.fmi, &identity, &model, model_file.text().as_bytes(), &validations)
         .with_context(|| format!("{}: the FMU cannot be made", args.model.display()))?;
     output::write(&args.output, &bytes)?;
@@ -75,12 +75,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let platforms: Vec<_> = LIBRARIES.iter().map(|library| library.platform).collect();
         let version = if args.fmi == Version::Two { "2.0" } else { "3.0" };
         let (path, platforms) = (args.output.display(), platforms.join(", "));
-        let told = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
-        output::print(told.as_bytes())?;
+        let text = format!("{path}: FMI {version}, Model Exchange and co-simulation, for {platforms}\n");
+        output::print(text.as_bytes())?;
         for validation in &validations {
             output::print(format!("reference experiment {}\n", validation.summary()).as_bytes())?;
         }
-        if let Some(note) = output::left_out(left_out) {
+        if let Some(note) = output::excluded_effects(excluded) {
             output::print(note.as_bytes())?;
         }
         if let Some(doubt) = doubt(&model) {

@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let rig = Rig::read(&args.rig)?;
     output::check(args.output.iter().chain(&args.json), output::files(&rig))?;
     let work = || evaluation::identify(&rig, method, args.output.as_deref());
-    let result = progress::while_turning("fitting the model to the records", work)?;
+    let result = progress::with_spinner("fitting the model to the records", work)?;
     if let Some(path) = &args.json {
         output::write_json(path, &result)?;
     }

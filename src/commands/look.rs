@@ -151,8 +151,8 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
         dialect.separator.name()
     );
     let _ = writeln!(out, "{:<4} {:<36} {:<22} unit", "no.", "column", "holds");
-    for (place, name) in dialect.names.iter().enumerate() {
-        let column = look.guess.columns.iter().find(|column| column.place == place);
+    for (index, name) in dialect.names.iter().enumerate() {
+        let column = look.guess.columns.iter().find(|column| column.index == index);
         let holds = column.map_or("", |column| column.quantity.key());
         let unit = column.map_or(String::new(), |column| {
             let gauge = if column.gauge { " gauge" } else { "" };
@@ -164,7 +164,7 @@ fn summary(look: &Look, tests: &Tests<'_>) -> String {
             };
             format!("{}{gauge}{reversed}{guessed}", column.unit.name)
         });
-        let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", place + 1);
+        let _ = writeln!(out, "{:<4} {name:<36} {holds:<22} {unit}", index + 1);
     }
     let in_volts = look.guess.columns.iter().any(|column| column.unit.name == VOLT);
     match &look.found {
@@ -260,7 +260,7 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
         .iter()
         .map(|c| {
             json!({
-                "quantity": c.quantity.key(), "name": c.name, "number": c.place + 1, "unit": c.unit.name,
+                "quantity": c.quantity.key(), "name": c.name, "number": c.index + 1, "unit": c.unit.name,
                 "unit_guessed": c.unit_guessed, "gauge": c.gauge, "sign": c.sign, "offset_m": c.offset_m,
             })
         })
@@ -282,7 +282,8 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
             json!({ "moving": p.moving, "from_s": from, "to_s": to })
         };
         let cycle = |c: &Cycle| json!({ "from_s": c.from_s, "to_s": c.to_s, "compresses": c.compresses });
-        let left_out = trace.left_out.iter().map(|row| json!({ "line": row.line, "reason": row.reason.to_string() }));
+        let dropped_rows =
+            trace.dropped_rows.iter().map(|row| json!({ "line": row.line, "reason": row.reason.to_string() }));
         value["record"] = json!({
             "rows": trace.len(),
             "rate_hz": readings.rate_hz(),
@@ -291,7 +292,7 @@ fn json(look: &Look, cycles: &[Cycle], rig: &str) -> Value {
             "readout_hz": readings.readout_hz,
             "noise_pa": readings.noise_pa,
             "sorted": trace.sorted,
-            "left_out": left_out.collect::<Vec<_>>(),
+            "left_out": dropped_rows.collect::<Vec<_>>(),
             "phases": phases.iter().map(phase).collect::<Vec<_>>(),
             "tests": cycles.iter().map(cycle).collect::<Vec<_>>(),
         });

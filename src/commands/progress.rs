@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// How progress is told.
+/// How progress is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Telling {
+pub enum ProgressFormat {
     /// A progress bar, if standard error is a terminal
     Bar,
     /// One line of JSON per second, for programs
@@ -20,15 +20,15 @@ pub enum Telling {
     None,
 }
 
-impl Telling {
+impl ProgressFormat {
     fn pause(self) -> Duration {
-        Duration::from_millis(if self == Telling::Bar { 250 } else { 1000 })
+        Duration::from_millis(if self == ProgressFormat::Bar { 250 } else { 1000 })
     }
 }
 
 /// Progress in rows.
 pub struct Progress {
-    telling: Telling,
+    format: ProgressFormat,
     rows: u64,
     solved: AtomicU64,
     found: AtomicU64,
@@ -56,9 +56,9 @@ struct Standing {
 
 impl Progress {
     /// Starts now, for this many rows.
-    pub fn new(telling: Telling, rows: u64) -> Self {
+    pub fn new(format: ProgressFormat, rows: u64) -> Self {
         let zero = || AtomicU64::new(0);
-        Self { telling, rows, solved: zero(), found: zero(), begun: Instant::now() }
+        Self { format, rows, solved: zero(), found: zero(), begun: Instant::now() }
     }
 
     fn standing(&self) -> Standing {
@@ -74,11 +74,11 @@ impl Progress {
             let (end, ended) = channel::<()>();
             scope.spawn(move || {
                 let template = "{bar:30} {human_pos} of {human_len} rows, {msg}";
-                let bar = (self.telling == Telling::Bar).then(|| bar(self.rows, template));
-                while ended.recv_timeout(self.telling.pause()) == Err(RecvTimeoutError::Timeout) {
-                    self.tell(bar.as_ref());
+                let bar = (self.format == ProgressFormat::Bar).then(|| bar(self.rows, template));
+                while ended.recv_timeout(self.format.pause()) == Err(RecvTimeoutError::Timeout) {
+                    self.report(bar.as_ref());
                 }
-                self.tell(bar.as_ref());
+                self.report(bar.as_ref());
                 if let Some(bar) = bar {
                     bar.finish_and_clear();
                 }
@@ -89,7 +89,7 @@ impl Progress {
         })
     }
 
-    fn tell(&self, bar: Option<&ProgressBar>) {
+    fn report(&self, bar: Option<&ProgressBar>) {
         let now = self.standing();
         if let Some(bar) = bar {
             let left = now.seconds_left.map(|left| HumanDuration(Duration::from_secs_f64(left.min(1e12))));
@@ -97,7 +97,7 @@ impl Progress {
             bar.set_message(format!("{:.0} rows/s{left}", now.rate));
             bar.set_position(now.done);
         }
-        if self.telling == Telling::Json {
+        if self.format == ProgressFormat::Json {
             let line = json!({
                 "rows_done": now.done,
                 "rows": self.rows,
@@ -122,10 +122,10 @@ pub fn bar(length: u64, template: &str) -> ProgressBar {
 }
 
 /// Runs work of unknown progress, with a spinner on a terminal.
-pub fn while_turning<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
-    let turning = ProgressBar::new_spinner().with_message(what);
-    turning.enable_steady_tick(Duration::from_millis(100));
+pub fn with_spinner<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    let spinner = ProgressBar::new_spinner().with_message(what);
+    spinner.enable_steady_tick(Duration::from_millis(100));
     let result = work();
-    turning.finish_and_clear();
+    spinner.finish_and_clear();
     result
 }

@@ -55,7 +55,7 @@ pub struct Args {
 fn pressure(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if PRESSURE_PA.allow(value) => Ok(value),
-        _ => Err(format!("expected {}", PRESSURE_PA.words())),
+        _ => Err(format!("expected {}", PRESSURE_PA.description())),
     }
 }
 

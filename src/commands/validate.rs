@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let (model, rig) = (Model::read(&args.model)?, Rig::read(&args.rig)?);
     output::check(args.json.iter().chain(&args.report), output::files(&rig).chain([args.model.as_path()]))?;
     let work = || evaluation::validate(&model, &rig, args.whole_record);
-    let found = progress::while_turning("comparing the model with the records", work)?;
+    let found = progress::with_spinner("comparing the model with the records", work)?;
     if let Some(path) = &args.json {
         output::write_json(path, &found.validation)?;
     }

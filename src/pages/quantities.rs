@@ -71,12 +71,12 @@ fn name(path: &str) -> String {
         "position_scale" => "scale of the position".to_owned(),
         "position_linearity" => "linearity of the position sensor".to_owned(),
         "position_offset_m" => "zero of the position".to_owned(),
-        _ => behind_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
+        _ => after_gap(path).or_else(|| of_effect(path)).unwrap_or_else(|| spaced(path)),
     }
 }
 
 /// A parameter of the gas after a numbered gap in a record.
-fn behind_gap(path: &str) -> Option<String> {
+fn after_gap(path: &str) -> Option<String> {
     let (gap, key) = path.strip_prefix("behind_gap_")?.split_once('.')?;
     Some(format!("{} of the gas behind gap {gap}", spaced(key)))
 }
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parameter_of_an_effect_is_said_in_words_and_in_the_standard_s_unit() {
+    fn a_parameter_of_an_effect_is_named_in_words_with_the_standard_s_unit() {
         let q = Quantity::of("leakage.conductance_m3_per_s_pa", "m3/(s.Pa)", 3e-12);
         assert_eq!(q.name, "leakage: sonic conductance C of the leak");
         assert_eq!(q.text(3e-12, 3), "300\u{a0}mm³/(s·bar)");

@@ -51,7 +51,7 @@ fn page() -> String {
         ["quantity", "unit", "values", ""],
         (0..)
             .zip(quantity::all())
-            .filter(|(place, _)| !quantity::is_of_recorded_stroke(*place) && !quantity::is_of_table(*place))
+            .filter(|(index, _)| !quantity::is_of_recorded_stroke(*index) && !quantity::is_of_table(*index))
             .map(|(_, q)| [code(&q.name), q.unit.to_owned(), q.allowed.to_string(), q.doc.to_owned()]),
     );
     page

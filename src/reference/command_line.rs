@@ -24,6 +24,6 @@ fn section(page: &mut String, command: &mut Command) {
 }
 
 #[test]
-fn the_page_of_commands_is_what_the_program_says() {
+fn the_page_of_commands_agrees_with_the_program_s_help() {
     expect_test::expect_file!["../../book/src/reference/command-line.md"].assert_eq(&page());
 }

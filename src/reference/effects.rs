@@ -63,16 +63,16 @@ fn section(card: &Card) -> String {
     .expect("a String takes all");
     text += &table(
         ["parameter", "unit", "neutral", "typical", "bounds", ""],
-        card.parameters.iter().filter(|p| !matches!(p.kind, Kind::Place { index: 1.., .. })).map(|p| {
+        card.parameters.iter().filter(|p| !matches!(p.kind, Kind::ListEntry { index: 1.., .. })).map(|p| {
             let (name, fitted) = match p.kind {
                 Kind::Number => (p.key(), when_fitted(p.fitted).to_owned()),
                 Kind::Word(words) => (
                     p.key(),
                     format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")),
                 ),
-                Kind::Place { .. } => {
-                    let places = card.parameters.iter().filter(|q| q.name == p.name).count();
-                    (p.name.to_owned(), format!(" (a list of 1 to {places})"))
+                Kind::ListEntry { .. } => {
+                    let entries = card.parameters.iter().filter(|q| q.name == p.name).count();
+                    (p.name.to_owned(), format!(" (a list of 1 to {entries})"))
                 }
             };
             [

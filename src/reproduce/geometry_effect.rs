@@ -15,7 +15,7 @@ pub fn entries(effect: &GeometryEffect) -> Vec<Value> {
             "equation": o.equation,
             "parameters": o.parameters,
             "rms_fitted": o.rms_fitted,
-            "rms_left_out": o.rms_left_out,
+            "rms_left_out": o.rms_held_out,
             "values": values,
         })
     };
@@ -30,22 +30,22 @@ pub fn section(effect: &GeometryEffect) -> Result<Section> {
     let mut section = Section::new("A coefficient that depends on the column length: a hypothesis");
     let before = effect.outcome(ONE_LAMBDA0).context("the baseline is missing")?;
     let after = effect.outcome(COLUMN_HALF).context("the column length's form is missing")?;
-    let best = effect.best_left_out().context("no form was fitted")?;
+    let best = effect.best_held_out().context("no form was fitted")?;
     section.text(format!(
         "With one λ0 for all six tests, the predicted time constants are off by {} rms, and by {} for an actuator left out of \
          the fit. {} forms of λ were fitted to the same six numbers. With a single parameter too, λ = {} W/(m² K) · √(P T/(P0 T0)) \
          · (l/{} m)^(−1/2) has an error of {} ({} left out), where l = V/(piston area) is the length of the gas column. The form with \
          the smallest left-out error, {}, has an error of {} ({} left out).",
         percent(before.rms_fitted, 0),
-        rms(before.rms_left_out),
+        rms(before.rms_held_out),
         FORMS.len(),
         digits(after.values[0].value, 3),
         REFERENCE_LENGTH_M,
         percent(after.rms_fitted, 1),
-        rms(after.rms_left_out),
+        rms(after.rms_held_out),
         best.equation,
         percent(best.rms_fitted, 1),
-        rms(best.rms_left_out),
+        rms(best.rms_held_out),
     ));
     let chosen: Vec<String> = effect.chosen_blind.iter().map(|(a, form)| format!("{a} by “{form}”")).collect();
     let exponents: Vec<String> = effect.pressure_exponents.iter().map(|(a, n)| format!("{a} {n:.2}")).collect();
@@ -64,8 +64,8 @@ pub fn section(effect: &GeometryEffect) -> Result<Section> {
         caption: format!(
             "Predicted over measured time constant of each test. Each actuator is predicted from the other two, with one λ0 for all \
              ({} rms) and with λ ∝ √(P T) l^(−1/2) ({} rms). Both have one fitted parameter.",
-            rms(before.rms_left_out),
-            rms(after.rms_left_out)
+            rms(before.rms_held_out),
+            rms(after.rms_held_out)
         ),
     });
     section.table(forms(effect));
@@ -94,7 +94,7 @@ fn forms(effect: &GeometryEffect) -> Table {
             o.equation.clone(),
             o.parameters.to_string(),
             percent(o.rms_fitted, 1),
-            rms(o.rms_left_out),
+            rms(o.rms_held_out),
             values.join(", "),
         ]);
     }

@@ -99,7 +99,7 @@ pub fn model(measured: &Measured, law: Law) -> Result<Model> {
     let heat_transfer = HeatTransfer::at_paper_reference(rounded(law.coefficient(measured), DIGITS));
     let mut chamber = Chamber::new(Gas::AIR, geometry, heat_transfer);
     if law == Law::Column {
-        chamber.effects.of_mut(GasColumnLength::PLACE).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
+        chamber.effects.of_mut(GasColumnLength::INDEX).copy_from_slice(&[-0.5, REFERENCE_LENGTH_M]);
     }
     Ok(Model {
         gas_name: Some("air".to_owned()),
@@ -123,8 +123,8 @@ pub fn points(model: &Model, law: Law) -> String {
     let (shortest, longest, count) = STROKES_M;
     for bore in BORES_M {
         for i in 0..count {
-            let share = i as f64 / (count - 1) as f64;
-            let initial = rounded(shortest * (longest / shortest).powf(share), DIGITS);
+            let fraction = i as f64 / (count - 1) as f64;
+            let initial = rounded(shortest * (longest / shortest).powf(fraction), DIGITS);
             let last = initial * FINAL_STROKE;
             let piston = Geometry::new(bore, 0.0, 0.0, AreaLaw::Total).piston_area;
             let dead_volume = rounded(DEAD_VOLUME * last * piston, DIGITS);

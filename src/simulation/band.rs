@@ -7,7 +7,7 @@
 //! columns include the uncertainty of the parameters and of the initial pressure.
 
 use super::columns::{COLUMNS, Column, Values};
-use super::course::Course;
+use super::motion_run::MotionRun;
 use anyhow::{Context, anyhow, bail};
 use chamber::simulate::Sample;
 use rayon::prelude::*;
@@ -69,7 +69,7 @@ pub fn name(column: &str, end: &str) -> String {
 ///
 /// # Errors
 /// If the model does not state its uncertainty, or a draw cannot be integrated along the motion.
-pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Result<Band> {
+pub fn band(model: &Model, motion: &MotionRun<'_>, wanted: Wanted) -> anyhow::Result<Band> {
     if !(SAMPLES.contains(&wanted.samples) && wanted.level > 0.0 && wanted.level < 1.0) {
         bail!(
             "{} draws with a probability of {}: expected {} to {} draws and a probability between 0 and 1",
@@ -81,10 +81,10 @@ pub fn band(model: &Model, course: &Course<'_>, wanted: Wanted) -> anyhow::Resul
     }
     let known = Uncertain::of(model).map_err(|why| anyhow!("the model {why}"))?;
     let scatter = model.provenance.rmse_after_pa.map(|rmse| rmse.fit);
-    let of_start = course.rows_at_rest().map_or(0.0, |rows| scatter.unwrap_or(0.0) / (rows as f64).sqrt());
+    let of_start = motion.rows_at_rest().map_or(0.0, |rows| scatter.unwrap_or(0.0) / (rows as f64).sqrt());
     let draws = draws(model, &known, wanted)?;
     let simulate = |(i, (model, start)): (usize, &(Model, f64))| {
-        course.samples(model, of_start * start).with_context(|| format!("draw {i} of {}", wanted.samples))
+        motion.samples(model, of_start * start).with_context(|| format!("draw {i} of {}", wanted.samples))
     };
     let runs: Vec<Vec<Sample>> = draws.par_iter().enumerate().map(simulate).collect::<Result<_, _>>()?;
     let ends = |of: fn(&Sample) -> f64, scatter: f64| {
@@ -136,10 +136,10 @@ fn ends(mut draws: Vec<f64>, scatter: f64, level: f64) -> [f64; 2] {
 
 /// Quantile of sorted values, linearly interpolated.
 fn quantile(sorted: &[f64], probability: f64) -> f64 {
-    let place = probability * (sorted.len() - 1) as f64;
-    let before = (place as usize).min(sorted.len().saturating_sub(2));
+    let position = probability * (sorted.len() - 1) as f64;
+    let before = (position as usize).min(sorted.len().saturating_sub(2));
     let (a, b) = (sorted[before], sorted[(before + 1).min(sorted.len() - 1)]);
-    a + (place - before as f64) * (b - a)
+    a + (position - before as f64) * (b - a)
 }
 
 /// Quantile, by bisection, of a mixture of normal distributions centred on sorted values.

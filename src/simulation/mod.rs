@@ -2,7 +2,7 @@
 
 pub mod band;
 pub mod columns;
-pub mod course;
+pub mod motion_run;
 pub mod stroke;
 
 use anyhow::{Context, bail};
@@ -10,9 +10,9 @@ use band::{Band, Wanted};
 use chamber::simulate::Sample;
 use chamber::words::listed;
 use columns::{COLUMNS, Values};
-use course::Course;
 use identify::record::checks;
 use identify::record::unit::Declared;
+use motion_run::MotionRun;
 use records::layout::Quantity;
 use records::{Document, Layout, Model, Need, Reading, RigFile, Trace, Window};
 use std::path::{Path, PathBuf};
@@ -74,7 +74,7 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
             near_pressure_column(request)
         ),
     }
-    let stroke_of = if request.raw_positions { Stroke::through } else { Stroke::behind };
+    let stroke_of = if request.raw_positions { Stroke::through } else { Stroke::reconstructed };
     let stroke = stroke_of(&motion.time_s, &motion.position_m);
     let mut notes = motion.notes();
     if !stroke.faults.is_empty() {
@@ -84,13 +84,13 @@ pub fn simulated(request: &Request) -> anyhow::Result<Simulated> {
             listed(&stroke.faults)
         ));
     }
-    let course = Course::new(&motion, stroke, request.initial_pressure_pa);
-    notes.extend(course.left_out_of_rest());
-    let samples = course.samples(&model, 0.0)?;
+    let run = MotionRun::new(&motion, stroke, request.initial_pressure_pa);
+    notes.extend(run.outlier_note());
+    let samples = run.samples(&model, 0.0)?;
     let band = match &request.band {
         None => None,
         Some(wanted) => {
-            let band = band::band(&model, &course, *wanted)
+            let band = band::band(&model, &run, *wanted)
                 .with_context(|| format!("{}: no band can be drawn", request.model.path().display()))?;
             notes.push(band.note.clone());
             Some(band)

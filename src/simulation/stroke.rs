@@ -1,5 +1,5 @@
-//! The stroke behind recorded positions that scatter while the piston rests: held there and smooth in its moves, as in
-//! `identify`. Positions without scatter, from a plan or a fine encoder, are used as they are, linear between rows.
+//! The stroke reconstructed from recorded positions that scatter while the piston rests: held there and smooth in its moves, as
+//! in `identify`. Positions without scatter, from a plan or a fine encoder, are used as they are, linear between rows.
 //!
 //! Noise of some µm between rows is a speed of some mm/s, with which an effect of the piston's speed would heat a gas at rest;
 //! and a chord between two rows of a fast move misses the stroke by up to x″h²/8.
@@ -38,9 +38,9 @@ impl Stroke {
         Self { knots: time_s.iter().copied().zip(position_m.iter().copied()).collect(), faults: Vec::new() }
     }
 
-    /// The stroke behind the rows, if these scatter at rest, contain outliers or are not all actually read; otherwise through the
-    /// rows.
-    pub fn behind(time_s: &[f64], position_m: &[f64]) -> Self {
+    /// The stroke reconstructed from the rows, if these scatter at rest, contain outliers or are not all actually read; otherwise
+    /// through the rows.
+    pub fn reconstructed(time_s: &[f64], position_m: &[f64]) -> Self {
         let positions = Positions::of(position_m);
         let motion = gaps::motion(time_s, position_m, &positions);
         let faults = faults(&positions, &motion, position_m);
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn positions_that_scatter_at_rest_are_held_there_and_followed_between_the_rows_of_a_move() {
         let (time_s, position_m) = recorded(5e-6);
-        let stroke = Stroke::behind(&time_s, &position_m);
+        let stroke = Stroke::reconstructed(&time_s, &position_m);
         assert!(stroke.faults[0].starts_with("scatter by 0.00"), "{:?}", stroke.faults);
         assert!(stroke.knots.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert_eq!((stroke.knots[0].0, stroke.knots[stroke.knots.len() - 1].0), (time_s[0], time_s[299]));
@@ -154,19 +154,19 @@ mod tests {
         let encoder: Vec<f64> = position_m.iter().map(|x| (x * 1e5).round() * 1e-5).collect();
         let toggles: Vec<f64> =
             encoder.iter().enumerate().map(|(i, x)| if i % 20 == 0 { x + 1e-5 } else { *x }).collect();
-        let stroke = Stroke::behind(&time_s, &toggles);
+        let stroke = Stroke::reconstructed(&time_s, &toggles);
         assert!(stroke.faults[0].starts_with("scatter"), "{:?}", stroke.faults);
         let slow: Vec<f64> =
             time_s.iter().map(|t| if *t > 1.0 { 0.05 - 1e-5 * (10.0 * (t - 1.0)).floor() } else { push(*t) }).collect();
-        assert!(Stroke::behind(&time_s, &slow).faults.is_empty());
+        assert!(Stroke::reconstructed(&time_s, &slow).faults.is_empty());
     }
 
     #[test]
-    fn positions_that_were_not_read_or_stand_out_are_no_places_of_the_piston() {
+    fn positions_that_were_not_read_or_stand_out_are_not_taken_as_positions_of_the_piston() {
         let (time_s, position_m) = recorded(5e-6);
         let mut held: Vec<f64> = (0..300).map(|i| position_m[i - i % 3]).collect();
         held[150..153].fill(0.0);
-        let stroke = Stroke::behind(&time_s, &held);
+        let stroke = Stroke::reconstructed(&time_s, &held);
         assert_eq!(stroke.faults, ["are read at one row of 3 only", "have one value far from those around it"]);
         let off = |(time, position): &(f64, f64)| (position - push(*time)).abs();
         assert!(stroke.knots.iter().map(off).fold(0.0, f64::max) < 3e-4);
@@ -180,21 +180,21 @@ mod tests {
         let computed: Vec<f64> =
             exact.iter().zip(recorded(1e-12).1).map(|(x, noisy)| if *x == 0.1 { noisy } else { *x }).collect();
         for position_m in [exact, rounded, sine, computed] {
-            let stroke = Stroke::behind(&time_s, &position_m);
+            let stroke = Stroke::reconstructed(&time_s, &position_m);
             assert!(stroke.faults.is_empty(), "{:?}", stroke.faults);
             assert_eq!(stroke.knots, Stroke::through(&time_s, &position_m).knots);
         }
     }
 
     #[test]
-    fn a_move_that_the_positions_are_read_too_seldom_to_show_is_told() {
+    fn a_move_that_the_positions_are_read_too_seldom_to_show_is_reported() {
         let time_s: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
         let mut random = Random::new(9);
         // Twice in 0.2 s, read every 0.12 s.
         let both = |time: f64| push(time) - 0.4 * (push(time - 1.5) - 0.1);
         let readings: Vec<f64> = time_s.iter().step_by(12).map(|t| both(*t) + 5e-6 * random.normal()).collect();
         let position_m: Vec<f64> = (0..300).map(|i| (readings[i / 12] * 1e6).round() * 1e-6).collect();
-        let faults = Stroke::behind(&time_s, &position_m).faults;
+        let faults = Stroke::reconstructed(&time_s, &position_m).faults;
         assert_eq!(
             faults,
             [

@@ -22,7 +22,7 @@ pub const STUDY: &str = "study.json";
 /// The table of traces.
 pub const TRACES_FILE: &str = "traces.parquet";
 /// Its path, in a folder separate from the rows': readers load each folder as a whole.
-pub const TRACES_PLACE: &str = "traces/traces.parquet";
+pub const TRACES_PATH: &str = "traces/traces.parquet";
 /// File with the statistics.
 pub const STATISTICS: &str = "statistics.json";
 /// File with the sensitivity indices.
@@ -39,11 +39,11 @@ pub const OF_THE_STUDY: [&str; 8] =
 const TRACES_RECORD: &str = "traces.json";
 
 /// Paths of the results alongside the parts whose hashes are in the manifest.
-pub const RESULTS: [&str; 3] = [STATISTICS, SENSITIVITY, TRACES_PLACE];
+pub const RESULTS: [&str; 3] = [STATISTICS, SENSITIVITY, TRACES_PATH];
 
 /// Path of the record of a result.
-pub fn record_of_result(place: &str) -> String {
-    let name = place.rsplit('/').next().unwrap_or(place);
+pub fn record_of_result(path: &str) -> String {
+    let name = path.rsplit('/').next().unwrap_or(path);
     format!("{RECORDS}/{}", if name == TRACES_FILE { TRACES_RECORD } else { name })
 }
 

@@ -14,7 +14,7 @@ pub const TEMPORARY: &str = ".tmp";
 /// A folder whose files appear whole or not at all.
 pub trait Store: Sync {
     /// Its location, for display.
-    fn place(&self) -> &Path;
+    fn location(&self) -> &Path;
 
     /// A file's contents, if it exists.
     fn read(&self, name: &str) -> io::Result<Option<Vec<u8>>>;
@@ -116,7 +116,7 @@ pub fn existing(path: &Path) -> Option<&Path> {
 }
 
 impl Store for Local {
-    fn place(&self) -> &Path {
+    fn location(&self) -> &Path {
         &self.path
     }
 
@@ -159,10 +159,10 @@ impl Store for Local {
 
     /// On a system that cannot sync folders, syncing the file suffices.
     fn publish(&self, file: &File, path: &Path, name: &str) -> io::Result<()> {
-        let place = self.prepared(name)?;
+        let destination = self.prepared(name)?;
         file.sync_all()?;
-        std::fs::rename(path, &place)?;
-        let folder = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::rename(path, &destination)?;
+        let folder = destination.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
     }
 

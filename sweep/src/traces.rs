@@ -4,7 +4,7 @@
 //! most `TOGETHER` samples are in memory, or one row's.
 
 use crate::error::Error;
-use crate::file_names::TRACES_PLACE;
+use crate::file_names::TRACES_PATH;
 use crate::folder::Folder;
 use crate::part::columns;
 use crate::part::encoding;
@@ -143,7 +143,7 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
     check(study, rows, rate_hz)?;
     let folder = Folder::open(study, store)?;
     folder.prepare()?;
-    let path = folder.path(TRACES_PLACE);
+    let path = folder.path(TRACES_PATH);
     let schema = schema();
     let rate = [("sample_rate_hz", rate_hz.to_string())];
     let properties = encoding::properties(study, &schema, &rate);
@@ -167,8 +167,8 @@ pub fn write(study: &Study, store: &dyn Store, rows: &RowNumbers, rate_hz: f64) 
     }
     flush(study, &schema, rate_hz, &mut wave, &mut file, &mut report)?;
     let ended = file.end()?;
-    folder.record_result(TRACES_PLACE, ended.digest())?;
-    ended.publish(store, TRACES_PLACE)?;
+    folder.record_result(TRACES_PATH, ended.digest())?;
+    ended.publish(store, TRACES_PATH)?;
     folder.renew_manifest()?;
     report.without.sort();
     Ok(report)

@@ -23,7 +23,7 @@ fn in_a_motion() {
 }
 
 #[test]
-fn a_lone_bad_row_of_a_motion_is_left_out_and_named() {
+fn a_lone_bad_row_of_a_motion_is_dropped_and_named() {
     let bench = Bench::new();
     for (row, says) in [
         ("2.5,NaN,0.05", "line 202, column `pressure_pa`"),
@@ -56,7 +56,7 @@ fn in_a_rig() {
 }
 
 #[test]
-fn a_file_of_another_kind_is_told_as_such() {
+fn a_file_of_another_kind_is_named_as_such() {
     let bench = Bench::new();
     bench.file("study.toml", "[study]\nname = \"a\"\n");
     // As written by `identify`.

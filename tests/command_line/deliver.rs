@@ -202,7 +202,7 @@ fn reproduce_replaces_no_file_of_other_work() {
 }
 
 #[test]
-fn an_fmu_of_a_faulty_model_or_at_an_impossible_place_is_refused() {
+fn an_fmu_of_a_faulty_model_or_at_an_impossible_path_is_refused() {
     let bench = bench();
     bench.file("faulty.toml", MODEL.replace("bore_m", "boer_m"));
     let sentence = bench.refusal(&["fmu", "faulty.toml", "-o", "a.fmu"]);

@@ -60,7 +60,7 @@ fn wrong_usage_ends_with_2_and_says_what_is_right() {
 }
 
 #[test]
-fn the_version_is_told() {
+fn the_version_is_printed() {
     assert_eq!(
         text(&Bench::new().call(0, &["--version"]).stdout),
         concat!("pneutherm ", env!("CARGO_PKG_VERSION"), "\n")

@@ -35,7 +35,7 @@ fn seconds_since_1970_stand_in_their_columns() {
 }
 
 #[test]
-fn a_clock_s_times_are_told_without_what_rounding_adds() {
+fn a_clock_s_times_are_printed_without_rounding_errors() {
     let bench = Bench::new();
     let clock = logged(9.0).replace("unix_time", "time");
     let clock: Vec<String> = clock

@@ -48,7 +48,7 @@ fn no_result_replaces_a_file_that_the_command_reads() {
 }
 
 #[test]
-fn two_results_do_not_share_a_place() {
+fn two_results_are_not_written_to_one_file() {
     let bench = Bench::new();
     let sentence = bench.refusal(&["identify", "rig.toml", "-o", "-", "--json", "-"]);
     assert!(sentence.contains("standard output can take one result only"), "{sentence}");
@@ -57,7 +57,7 @@ fn two_results_do_not_share_a_place() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_is_told_before_the_work() {
+fn a_missing_folder_is_reported_before_the_work() {
     let sentence = Bench::new().refusal(&["diagnose", "rig.toml", "--json", "x.json", "-o", "absent/model.toml"]);
     assert!(sentence.contains("absent/model.toml: cannot be written: No such file"), "{sentence}");
 }

@@ -55,10 +55,10 @@ impl Effect for DecayingTurbulence {
         at.eichelberg = at.eichelberg * (p[0] * own[0] + 1.0);
     }
 
-    const KINKS: usize = 1;
+    const KINK_INDICATORS: usize = 1;
 
     /// |ẋ| at zero, in m/s.
-    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         out[0] = at.velocity;
     }
 
@@ -93,7 +93,7 @@ mod tests {
     fn a_hold_is_that_of_calm_gas_by_a_clock_that_the_turbulence_sets_forward() {
         let (coefficient, decay_s, push_s, speed) = (3.0, 0.4, 0.1, 0.5);
         let calm = section_31(AreaLaw::Total);
-        let stirred = calm.with(DecayingTurbulence::PLACE, &[coefficient, decay_s]);
+        let stirred = calm.with(DecayingTurbulence::INDEX, &[coefficient, decay_s]);
         assert_eq!(stirred.active(), DecayingTurbulence::SET);
         let end_m = 0.1 - speed * push_s;
         let held_s = [0.0, 0.05, 0.3, 1.0, 3.0];

@@ -2,7 +2,7 @@
 
 use crate::card::Card;
 use crate::gas::Gas;
-use crate::parts::{Conditions, Course, Flows, Rates};
+use crate::parts::{Conditions, Flows, PressureTrend, Rates};
 use crate::real::Real;
 
 /// One physical effect. `p` holds its parameters in the card's order, `own` its own states.
@@ -97,29 +97,29 @@ pub trait Effect {
     /// needs short first steps or a transformed time.
     const SINGULAR: bool = false;
 
-    /// Whether its law has corners at some pressures: [`Effect::corner`].
-    const CORNERS: bool = false;
+    /// Whether its law has kinks at some pressures: [`Effect::pressure_kink`].
+    const HAS_PRESSURE_KINKS: bool = false;
 
-    /// First pressure after `from` and before `to`, Pa, at which its law has a corner; `to` if there is none.
+    /// First pressure after `from` and before `to`, Pa, at which its law has a kink; `to` if there is none.
     #[inline(always)]
-    fn corner<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
+    fn pressure_kink<R: Real>(_p: &[R], _ambient_pressure: R, _from: R, to: R) -> R {
         to
     }
 
-    /// Number of functions returned by [`Effect::kinks`].
-    const KINKS: usize = 0;
+    /// Number of functions returned by [`Effect::kink_indicators`].
+    const KINK_INDICATORS: usize = 0;
 
-    /// Functions of order one that change sign where its law has a corner in any variable: event indicators for a host with its
-    /// own integrator. `out` has length [`Effect::KINKS`].
-    fn kinks<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
+    /// Functions of order one that change sign where its law has a kink in any variable: event indicators for a host with its
+    /// own integrator. `out` has length [`Effect::KINK_INDICATORS`].
+    fn kink_indicators<R: Real>(_p: &[R], _own: &[R], _at: &Conditions<R>, _rates: &Rates<R>, _out: &mut [R]) {}
 
     /// Whether changes of pressure move gas; the next hook then says how much.
     const STORES: bool = false;
 
-    /// Gas that leaves (positive) because of the pressure's [`Course`]: returns its flow, kg/s, and its temperature, K. See
+    /// Gas that leaves (positive) because of the [`PressureTrend`]: returns its flow, kg/s, and its temperature, K. See
     /// [`tube_volume`](super::tube_volume).
     #[inline(always)]
-    fn storage<R: Real>(_p: &[R], at: &Conditions<R>, _course: &Course<R>) -> (R, R) {
+    fn storage<R: Real>(_p: &[R], at: &Conditions<R>, _trend: &PressureTrend<R>) -> (R, R) {
         (R::ZERO, at.temperature)
     }
 
@@ -161,13 +161,13 @@ pub trait Effect {
         reading
     }
 
-    /// Whether the sensor's characteristic has kinks: [`Effect::bend`]. Such an effect follows the others on the reading, and
-    /// between its kinks [`Effect::reading`] is linear in the reading.
-    const BENDS: bool = false;
+    /// Whether the sensor's characteristic has kinks: [`Effect::reading_kink`]. Such an effect follows the others on the reading,
+    /// and between its kinks [`Effect::reading`] is linear in the reading.
+    const HAS_READING_KINKS: bool = false;
 
     /// First reading after `from` and before `to`, Pa, at which the characteristic has a kink; `to` if there is none.
     #[inline(always)]
-    fn bend<R: Real>(_p: &[R], _from: R, to: R) -> R {
+    fn reading_kink<R: Real>(_p: &[R], _from: R, to: R) -> R {
         to
     }
 

@@ -35,10 +35,10 @@ impl Effect for ForcedConvection {
         ..Card::DEFAULT
     };
 
-    const KINKS: usize = 1;
+    const KINK_INDICATORS: usize = 1;
 
     /// |ẋ| at zero, in m/s.
-    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         out[0] = at.velocity;
     }
 

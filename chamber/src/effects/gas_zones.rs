@@ -72,16 +72,17 @@ impl Effect for GasZones {
         let compression = core * at.volume * at.per_temperature() * rates.pressure;
         let mixing = at.cp * (flows.inflow_kelvin - flows.inflow * core);
         let exchange = conductance * (at.gas_temperature_at_wall - core);
-        let share = fraction.where_positive(fraction, R::ONE);
-        let received = share * (compression + mixing) + fraction.where_positive(exchange, R::ZERO);
-        out[0] = received * at.per_mass / (share * at.cp);
+        let safe_fraction = fraction.where_positive(fraction, R::ONE);
+        let received = safe_fraction * (compression + mixing) + fraction.where_positive(exchange, R::ZERO);
+        out[0] = received * at.per_mass / (safe_fraction * at.cp);
     }
 
     /// Towards the mean temperature: the rest loses what the core gains.
     fn decays<R: Real>(p: &[R], at: &Conditions<R>, out: &mut [R]) {
         let (fraction, conductance) = (p[0], p[1]);
-        let share = fraction.where_positive(fraction, R::ONE);
-        out[0] = fraction.where_positive(conductance * at.per_mass / (share * (R::ONE - fraction) * at.cp), R::ZERO);
+        let safe_fraction = fraction.where_positive(fraction, R::ONE);
+        out[0] =
+            fraction.where_positive(conductance * at.per_mass / (safe_fraction * (R::ONE - fraction) * at.cp), R::ZERO);
     }
 
     /// The core is compressed by the pressure rise of the heat at constant volume.

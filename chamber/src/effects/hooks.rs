@@ -1,8 +1,8 @@
 //! Joint action of the effects of a set: each hook of [`Effect`] for the parameters of all effects, as a method.
 
-use super::{Effect, EffectConstants, EffectSet, EffectValues, KINKS, OWN_STATES, Place};
+use super::{Effect, EffectConstants, EffectSet, EffectValues, Indexed, KINK_INDICATORS, OWN_STATES};
 use crate::gas::Gas;
-use crate::parts::{Conditions, Course, Flows, Rates};
+use crate::parts::{Conditions, Flows, PressureTrend, Rates};
 use crate::real::Real;
 
 /// Initial own states of all effects in a chamber at rest in equilibrium.
@@ -130,25 +130,31 @@ impl<R: Real> EffectValues<R> {
     /// [`Effect::flows`] of the effects in `set`.
     #[inline(always)]
     pub fn flows(&self, set: EffectSet, constants: &EffectConstants<R>, at: &Conditions<R>, flows: &mut Flows<R>) {
-        each!(E in set => E::flows(E::values(self), constants[E::PLACE], at, flows));
+        each!(E in set => E::flows(E::values(self), constants[E::INDEX], at, flows));
     }
 
-    /// Earliest [`Effect::corner`] of the effects in `set`.
+    /// Earliest [`Effect::pressure_kink`] of the effects in `set`.
     #[inline(always)]
-    pub fn corner(&self, set: EffectSet, ambient_pressure: R, from: R, to: R) -> R {
+    pub fn pressure_kink(&self, set: EffectSet, ambient_pressure: R, from: R, to: R) -> R {
         let mut first = to;
-        each!(E in set => first = E::corner(E::values(self), ambient_pressure, from, first));
+        each!(E in set => first = E::pressure_kink(E::values(self), ambient_pressure, from, first));
         first
     }
 
-    /// [`Effect::kinks`] of all effects, in order; one for effects not in `set`.
-    pub fn kinks(&self, set: EffectSet, own: &[R; OWN_STATES], at: &Conditions<R>, rates: &Rates<R>) -> [R; KINKS] {
-        let mut out = [R::ONE; KINKS];
+    /// [`Effect::kink_indicators`] of all effects, in order; one for effects not in `set`.
+    pub fn kink_indicators(
+        &self,
+        set: EffectSet,
+        own: &[R; OWN_STATES],
+        at: &Conditions<R>,
+        rates: &Rates<R>,
+    ) -> [R; KINK_INDICATORS] {
+        let mut out = [R::ONE; KINK_INDICATORS];
         let mut rest = &mut out[..];
         each!(E => {
-            let (part, after) = rest.split_at_mut(E::KINKS);
-            if set.has(E::PLACE) {
-                E::kinks(E::values(self), E::own(own), at, rates, part);
+            let (part, after) = rest.split_at_mut(E::KINK_INDICATORS);
+            if set.has(E::INDEX) {
+                E::kink_indicators(E::values(self), E::own(own), at, rates, part);
             }
             rest = after;
         });
@@ -158,9 +164,9 @@ impl<R: Real> EffectValues<R> {
 
     /// Adds [`Effect::storage`] of the effects in `set` to the flows.
     #[inline(always)]
-    pub fn storage(&self, set: EffectSet, at: &Conditions<R>, course: &Course<R>, flows: &mut Flows<R>) {
+    pub fn storage(&self, set: EffectSet, at: &Conditions<R>, trend: &PressureTrend<R>, flows: &mut Flows<R>) {
         each!(E in set => if E::STORES {
-            let (flow, temperature) = E::storage(E::values(self), at, course);
+            let (flow, temperature) = E::storage(E::values(self), at, trend);
             flows.leave(flow, temperature);
         });
     }
@@ -195,10 +201,10 @@ impl<R: Real> EffectValues<R> {
         reading
     }
 
-    /// Earliest [`Effect::bend`] of the effects in `set`.
-    pub fn bend(&self, set: EffectSet, from: R, to: R) -> R {
+    /// Earliest [`Effect::reading_kink`] of the effects in `set`.
+    pub fn reading_kink(&self, set: EffectSet, from: R, to: R) -> R {
         let mut first = to;
-        each!(E in set => first = E::bend(E::values(self), from, first));
+        each!(E in set => first = E::reading_kink(E::values(self), from, first));
         first
     }
 

@@ -116,11 +116,11 @@ pub fn relative_flow<R: Real>(ratio: R, critical_ratio: R) -> R {
     }
 }
 
-/// First pressure after `from` and before `to`, Pa, at which the flow to `outside` has a corner: where it chokes, where ψ turns
-/// linear, where it reverses, and at two further pressures where ψ is steep. The flow reverses at `turn`: `outside`, or zero to
-/// leave that corner out.
+/// First pressure after `from` and before `to`, Pa, at which the flow to `outside` has a kink: where it chokes, where ψ turns
+/// linear, where it reverses, and at two further pressures where ψ is steep. The flow reverses at `reversal`: `outside`, or zero to
+/// leave that kink out.
 #[inline(always)]
-pub fn corner<R: Real>(critical_ratio: R, outside: R, turn: R, from: R, to: R) -> R {
+pub fn pressure_kink<R: Real>(critical_ratio: R, outside: R, reversal: R, from: R, to: R) -> R {
     // Outflow chokes at the pressure `outside`/b. Multiplied through, as b may be zero.
     let choked = (outside - critical_ratio * from) * (critical_ratio * to - outside);
     let mut first = to;
@@ -137,18 +137,18 @@ pub fn corner<R: Real>(critical_ratio: R, outside: R, turn: R, from: R, to: R) -
     first = nearer(outside * STEEP_ABOVE, from, first);
     first = nearer(outside * STEEPER_ABOVE, from, first);
     first = nearer(outside * LINEAR_ABOVE, from, first);
-    first = nearer(turn, from, first);
+    first = nearer(reversal, from, first);
     first = nearer(outside * (1.0 / LINEAR_ABOVE), from, first);
     first = nearer(outside * (1.0 / STEEPER_ABOVE), from, first);
     nearer(outside * (1.0 / STEEP_ABOVE), from, first)
 }
 
-/// Number of functions returned by [`kinks`].
-pub const KINKS: usize = 5;
+/// Number of functions returned by [`kink_indicators`].
+pub const KINK_INDICATORS: usize = 5;
 
-/// Functions of order one that change sign where an ISO 6358 flow between two pressures has a corner: where it reverses and, in
+/// Functions of order one that change sign where an ISO 6358 flow between two pressures has a kink: where it reverses and, in
 /// each direction, where it chokes and where ψ turns linear.
-pub fn kinks<R: Real>(one: R, other: R, critical: R) -> [R; KINKS] {
+pub fn kink_indicators<R: Real>(one: R, other: R, critical: R) -> [R; KINK_INDICATORS] {
     let per_sum = (one + other).recip();
     let excess = |pressure: R, of: R, ratio: R| (pressure - of * ratio) * per_sum;
     let linear = R::from(LINEAR_ABOVE);

@@ -51,18 +51,18 @@ impl Effect for LaminarLeakage {
         flows.enter(out.where_positive(R::ZERO, -flow), at.ambient_temperature);
     }
 
-    const KINKS: usize = 1;
+    const KINK_INDICATORS: usize = 1;
 
     /// Direction of the flow.
-    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         out[0] = (at.pressure - at.ambient_pressure) / (at.pressure + at.ambient_pressure);
     }
 
-    const CORNERS: bool = true;
+    const HAS_PRESSURE_KINKS: bool = true;
 
     /// Where the flow reverses.
     #[inline(always)]
-    fn corner<R: Real>(_: &[R], ambient_pressure: R, from: R, to: R) -> R {
+    fn pressure_kink<R: Real>(_: &[R], ambient_pressure: R, from: R, to: R) -> R {
         nearer(ambient_pressure, from, to)
     }
 }

@@ -47,16 +47,16 @@ impl Effect for Leakage {
         surroundings.exchange(constant, at, flows);
     }
 
-    const KINKS: usize = iso6358::KINKS;
+    const KINK_INDICATORS: usize = iso6358::KINK_INDICATORS;
 
-    fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
-        out.copy_from_slice(&iso6358::kinks(at.pressure, at.ambient_pressure, p[1]));
+    fn kink_indicators<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out.copy_from_slice(&iso6358::kink_indicators(at.pressure, at.ambient_pressure, p[1]));
     }
 
-    const CORNERS: bool = true;
+    const HAS_PRESSURE_KINKS: bool = true;
 
     #[inline(always)]
-    fn corner<R: Real>(p: &[R], ambient_pressure: R, from: R, to: R) -> R {
-        iso6358::corner(p[1], ambient_pressure, ambient_pressure, from, to)
+    fn pressure_kink<R: Real>(p: &[R], ambient_pressure: R, from: R, to: R) -> R {
+        iso6358::pressure_kink(p[1], ambient_pressure, ambient_pressure, from, to)
     }
 }

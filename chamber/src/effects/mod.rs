@@ -29,17 +29,17 @@ macro_rules! effects {
 
         $(impl $module::$name {
             /// Its index in the list of effects.
-            pub const PLACE: usize = Id::$module as usize;
+            pub const INDEX: usize = Id::$module as usize;
             /// The set that contains only this effect.
-            pub const SET: EffectSet = EffectSet::one(Self::PLACE);
+            pub const SET: EffectSet = EffectSet::one(Self::INDEX);
         })*
 
-        $(impl Place for $module::$name { const PLACE: usize = Self::PLACE; })*
+        $(impl Indexed for $module::$name { const INDEX: usize = Self::INDEX; })*
 
         /// Evaluates an expression for each effect, or each effect in a set, which it can refer to by the given name.
         macro_rules! each {
             ($dollar effect:ident in $dollar set:expr => $dollar body:expr) => {
-                each!($dollar effect => if $dollar set.has($dollar effect::PLACE) { $dollar body; })
+                each!($dollar effect => if $dollar set.has($dollar effect::INDEX) { $dollar body; })
             };
             ($dollar effect:ident => $dollar body:expr) => {
                 $({ type $dollar effect = $crate::effects::$name; $dollar body; })*
@@ -120,21 +120,21 @@ pub const VOLUMETRIC: EffectSet = EffectSet::of(of_each!(E => E::VOLUMETRIC));
 pub const OF_WALL: EffectSet = EffectSet::of(of_each!(E => E::OF_WALL));
 /// Effects with [`Effect::SINGULAR`].
 pub const SINGULAR: EffectSet = EffectSet::of(of_each!(E => E::SINGULAR));
-/// Effects with [`Effect::CORNERS`].
-pub const WITH_CORNERS: EffectSet = EffectSet::of(of_each!(E => E::CORNERS));
+/// Effects with [`Effect::HAS_PRESSURE_KINKS`].
+pub const WITH_PRESSURE_KINKS: EffectSet = EffectSet::of(of_each!(E => E::HAS_PRESSURE_KINKS));
 /// Effects with [`Effect::STORES`].
 pub const STORING: EffectSet = EffectSet::of(of_each!(E => E::STORES));
-/// Effects with [`Effect::BENDS`].
-pub const WITH_BENDS: EffectSet = EffectSet::of(of_each!(E => E::BENDS));
+/// Effects with [`Effect::HAS_READING_KINKS`].
+pub const WITH_READING_KINKS: EffectSet = EffectSet::of(of_each!(E => E::HAS_READING_KINKS));
 /// Effects with [`Effect::REMEMBERS`].
 pub const REMEMBERING: EffectSet = EffectSet::of(of_each!(E => E::REMEMBERS));
-/// Effects with a nonzero [`Effect::KINKS`].
-pub const WITH_KINKS: EffectSet = EffectSet::of(of_each!(E => E::KINKS != 0));
+/// Effects with a nonzero [`Effect::KINK_INDICATORS`].
+pub const WITH_KINK_INDICATORS: EffectSet = EffectSet::of(of_each!(E => E::KINK_INDICATORS != 0));
 
-/// Number of functions returned by [`EffectValues::kinks`].
-pub const KINKS: usize = {
+/// Number of functions returned by [`EffectValues::kink_indicators`].
+pub const KINK_INDICATORS: usize = {
     let mut sum = 0;
-    each!(E => sum += E::KINKS);
+    each!(E => sum += E::KINK_INDICATORS);
     sum
 };
 
@@ -197,26 +197,26 @@ const fn offsets(of_parameters: bool) -> [usize; COUNT + 1] {
 }
 
 /// An effect's index in the list, and hence its slices of parameters and own states.
-trait Place {
-    const PLACE: usize;
+trait Indexed {
+    const INDEX: usize;
 
     #[inline(always)]
     fn values<R>(values: &EffectValues<R>) -> &[R] {
-        &values.0[PARAMETER_OFFSETS[Self::PLACE]..PARAMETER_OFFSETS[Self::PLACE + 1]]
+        &values.0[PARAMETER_OFFSETS[Self::INDEX]..PARAMETER_OFFSETS[Self::INDEX + 1]]
     }
     /// Its own states within the first `M` of all effects: empty where it has none.
     #[inline(always)]
     fn own<R, const M: usize>(own: &[R; M]) -> &[R] {
-        own.get(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
+        own.get(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
     }
     #[inline(always)]
     fn own_mut<R, const M: usize>(own: &mut [R; M]) -> &mut [R] {
-        own.get_mut(STATE_OFFSETS[Self::PLACE]..STATE_OFFSETS[Self::PLACE + 1]).unwrap_or_default()
+        own.get_mut(STATE_OFFSETS[Self::INDEX]..STATE_OFFSETS[Self::INDEX + 1]).unwrap_or_default()
     }
     /// Whether all its own states lie within the first `count` of all effects.
     #[inline(always)]
     fn lies_within(count: usize) -> bool {
-        let (begin, end) = (STATE_OFFSETS[Self::PLACE], STATE_OFFSETS[Self::PLACE + 1]);
+        let (begin, end) = (STATE_OFFSETS[Self::INDEX], STATE_OFFSETS[Self::INDEX + 1]);
         begin == end || end <= count
     }
 }
@@ -292,8 +292,8 @@ mod tests {
     }
 
     #[test]
-    fn what_bends_the_reading_comes_after_all_else_that_the_sensor_does() {
-        let first = WITH_BENDS.iter().min();
+    fn effects_with_reading_kinks_follow_all_others_on_the_sensor() {
+        let first = WITH_READING_KINKS.iter().min();
         assert!(of_sensor().iter().all(|effect| first.is_none_or(|first| effect < first)));
     }
 

@@ -34,10 +34,10 @@ impl Effect for NaturalConvection {
     };
 
     const SINGULAR: bool = true;
-    const KINKS: usize = 1;
+    const KINK_INDICATORS: usize = 1;
 
     /// |T − Tw| at zero.
-    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         out[0] = (at.gas_temperature_at_wall - at.wall_temperature) / at.wall_temperature;
     }
 

@@ -1,4 +1,4 @@
-//! First of several values between two limits, for a step that meets the corners of an effect.
+//! First of several values between two limits, for a step that meets the kinks of an effect.
 
 use crate::real::Real;
 
@@ -10,10 +10,10 @@ pub fn nearer<R: Real>(value: R, from: R, to: R) -> R {
 
 /// First of these values after `from` and before `to`; `to` if there is none.
 #[inline(always)]
-pub fn nearest<R: Real>(places: &[R], from: R, to: R) -> R {
+pub fn nearest<R: Real>(values: &[R], from: R, to: R) -> R {
     let mut first = to;
-    for place in places {
-        first = nearer(*place, from, first);
+    for value in values {
+        first = nearer(*value, from, first);
     }
     first
 }

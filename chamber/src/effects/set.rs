@@ -67,7 +67,7 @@ impl EffectSet {
 
 impl FromIterator<usize> for EffectSet {
     /// The set of the effects at these indices in the list.
-    fn from_iter<I: IntoIterator<Item = usize>>(places: I) -> Self {
-        places.into_iter().fold(Self::NONE, |set, place| set.union(Self::one(place)))
+    fn from_iter<I: IntoIterator<Item = usize>>(indices: I) -> Self {
+        indices.into_iter().fold(Self::NONE, |set, index| set.union(Self::one(index)))
     }
 }

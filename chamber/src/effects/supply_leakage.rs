@@ -56,16 +56,16 @@ impl Effect for SupplyLeakage {
         supply.exchange(constant, at, flows);
     }
 
-    const KINKS: usize = iso6358::KINKS;
+    const KINK_INDICATORS: usize = iso6358::KINK_INDICATORS;
 
-    fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
-        out.copy_from_slice(&iso6358::kinks(at.pressure, p[1], p[2]));
+    fn kink_indicators<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+        out.copy_from_slice(&iso6358::kink_indicators(at.pressure, p[1], p[2]));
     }
 
-    const CORNERS: bool = true;
+    const HAS_PRESSURE_KINKS: bool = true;
 
     #[inline(always)]
-    fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
-        iso6358::corner(p[2], p[1], p[1], from, to)
+    fn pressure_kink<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
+        iso6358::pressure_kink(p[2], p[1], p[1], from, to)
     }
 }

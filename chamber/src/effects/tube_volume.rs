@@ -8,7 +8,7 @@
 
 use super::Effect;
 use crate::card::{Balance, Card, Parameter, Unit};
-use crate::parts::{Conditions, Course, Rates};
+use crate::parts::{Conditions, PressureTrend, Rates};
 use crate::real::Real;
 
 /// An isothermal volume joined to the chamber.
@@ -32,22 +32,23 @@ impl Effect for TubeVolume {
         ..Card::DEFAULT
     };
 
-    const KINKS: usize = 1;
+    const KINK_INDICATORS: usize = 1;
 
     /// Direction of the flow into the tube: the relative rate of the pressure, 1/s.
-    fn kinks<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, rates: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(_: &[R], _: &[R], at: &Conditions<R>, rates: &Rates<R>, out: &mut [R]) {
         out[0] = rates.pressure / at.pressure;
     }
 
     const STORES: bool = true;
 
     #[inline(always)]
-    fn storage<R: Real>(p: &[R], at: &Conditions<R>, course: &Course<R>) -> (R, R) {
+    fn storage<R: Real>(p: &[R], at: &Conditions<R>, trend: &PressureTrend<R>) -> (R, R) {
         let volume = p[0];
-        let temperature = course.rate.where_positive(at.temperature, at.ambient_temperature);
-        let as_warm = temperature + course.rate.where_positive(R::ZERO, course.excess);
-        let share = course.give * at.heat_capacity_ratio * volume * as_warm / (at.volume * at.ambient_temperature);
-        let flow = volume / (at.gas_constant * at.ambient_temperature) * course.rate / (share + 1.0);
+        let temperature = trend.rate.where_positive(at.temperature, at.ambient_temperature);
+        let as_warm = temperature + trend.rate.where_positive(R::ZERO, trend.excess);
+        let ratio =
+            trend.compliance_factor * at.heat_capacity_ratio * volume * as_warm / (at.volume * at.ambient_temperature);
+        let flow = volume / (at.gas_constant * at.ambient_temperature) * trend.rate / (ratio + 1.0);
         (flow, temperature)
     }
 }

@@ -8,10 +8,10 @@ const OWNERS: [u32; PARAMETERS] = {
     let mut out = [0; PARAMETERS];
     let mut i = 0;
     while i < COUNT {
-        let mut place = PARAMETER_OFFSETS[i];
-        while place < PARAMETER_OFFSETS[i + 1] {
-            out[place] = EffectSet::one(i).bits();
-            place += 1;
+        let mut index = PARAMETER_OFFSETS[i];
+        while index < PARAMETER_OFFSETS[i + 1] {
+            out[index] = EffectSet::one(i).bits();
+            index += 1;
         }
         i += 1;
     }
@@ -40,16 +40,16 @@ impl EffectValues<f64> {
 
     /// These values with the effects in `set` at their neutral values.
     pub fn without(mut self, set: EffectSet) -> Self {
-        for place in set.iter() {
-            self.of_mut(place).copy_from_slice(Self::NEUTRAL.of(place));
+        for index in set.iter() {
+            self.of_mut(index).copy_from_slice(Self::NEUTRAL.of(index));
         }
         self
     }
 
     /// These values with the effects in `set` at their typical values.
     pub fn with_typical(mut self, set: EffectSet) -> Self {
-        for place in set.iter() {
-            self.of_mut(place).iter_mut().zip(CARDS[place].parameters).for_each(|(to, p)| *to = p.typical);
+        for index in set.iter() {
+            self.of_mut(index).iter_mut().zip(CARDS[index].parameters).for_each(|(to, p)| *to = p.typical);
         }
         self
     }
@@ -64,8 +64,8 @@ impl EffectValues<f64> {
     pub fn active(&self) -> EffectSet {
         // Branch-free, because kernels evaluate this for every row.
         let mut bits = 0;
-        for (place, owner) in OWNERS.iter().enumerate() {
-            bits |= if self.0[place] != Self::NEUTRAL.0[place] { *owner } else { 0 };
+        for (index, owner) in OWNERS.iter().enumerate() {
+            bits |= if self.0[index] != Self::NEUTRAL.0[index] { *owner } else { 0 };
         }
         EffectSet::from_bits(bits)
     }

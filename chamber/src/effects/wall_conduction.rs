@@ -163,12 +163,12 @@ mod tests {
         let [step, ramp] = errors(0.12, 10_800.0);
         assert!(step < 1e-2 && ramp < 1e-2, "{step} {ramp}");
         assert!(errors(0.03, 0.12)[0] < 0.03);
-        let behind = |t: f64| 1.0 - warming(t)[0] / (2.0 * (t / PI).sqrt());
-        assert!((behind(0.02) - 0.10).abs() < 0.005 && (behind(0.01) - 0.27).abs() < 0.01);
+        let difference = |t: f64| 1.0 - warming(t)[0] / (2.0 * (t / PI).sqrt());
+        assert!((difference(0.02) - 0.10).abs() < 0.005 && (difference(0.01) - 0.27).abs() < 0.01);
     }
 
     #[test]
-    fn each_end_has_the_moments_of_the_modes_it_stands_for() {
+    fn each_end_mode_has_the_moments_of_the_modes_it_replaces() {
         // Fifty more modes of the trapezoidal rule on each side leave less than rounding: Σ c μ^power.
         let sum = |power: i32, exponents: std::ops::Range<i32>| -> f64 {
             exponents.map(|j| RATIO.powi(j)).map(|rate| LOGARITHM / PI * rate.sqrt() * rate.powi(power)).sum()

@@ -5,9 +5,9 @@ use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use proptest::prelude::*;
 
 prop_compose! {
-    pub fn any_chamber()(bore in 0.01..0.2f64, dead_share in 0.0..0.5f64, lambda in 1.0..200.0f64, total in any::<bool>()) -> Chamber {
+    pub fn any_chamber()(bore in 0.01..0.2f64, dead_fraction in 0.0..0.5f64, lambda in 1.0..200.0f64, total in any::<bool>()) -> Chamber {
         let law = if total { AreaLaw::Total } else { AreaLaw::Swept };
-        let dead_volume = dead_share * bore * bore * 0.05;
+        let dead_volume = dead_fraction * bore * bore * 0.05;
         Chamber::new(Gas::AIR, Geometry::new(bore, 0.0, dead_volume, law), HeatTransfer::at_paper_reference(lambda))
     }
 }

@@ -112,7 +112,7 @@ fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Sce
     balances.resize(rows.len(), Balances::of(scenarios[rows[0].0 as usize].chamber));
     for (balance, (row, _)) in balances.iter_mut().zip(rows) {
         balance.chamber = scenarios[*row as usize].chamber;
-        balance.work_out();
+        balance.recompute_constants();
     }
 }
 

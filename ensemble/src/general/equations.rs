@@ -280,7 +280,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 
     #[inline(always)]
     fn has_kinks(&self) -> bool {
-        !self.set().intersection(effects::WITH_CORNERS).is_empty()
+        !self.set().intersection(effects::WITH_PRESSURE_KINKS).is_empty()
     }
 
     #[inline(always)]
@@ -290,7 +290,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 
     #[inline(always)]
     fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.balance.chamber.effects.corner(self.set(), self.boundary.ambient_pressure, from, to)
+        self.balance.chamber.effects.pressure_kink(self.set(), self.boundary.ambient_pressure, from, to)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`Effect::corner`](chamber::effects::Effect::corner)). An error
+//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`Effect::pressure_kink`](chamber::effects::Effect::pressure_kink)). An error
 //! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
 //!
 //! Where a step will meet one is told by P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push
@@ -131,7 +131,7 @@ mod tests {
         // A leak to 1 bar chokes at b = 0.3.
         let ends = [at(0.1), at(0.5)];
         let [begin, end] = inside(ends[0][0], ends[1][0]);
-        let corner = EffectValues::NEUTRAL.lift().corner(Leakage::SET, Lanes::from(1e5), begin, end);
+        let corner = EffectValues::NEUTRAL.lift().pressure_kink(Leakage::SET, Lanes::from(1e5), begin, end);
         let share = met([corner, end], Lanes::from(0.4), ends, widening(0.1))[3];
         let error = (pressure(0.1 + 0.4 * share) * 0.3 / 1e5 - 1.0).abs();
         assert!(error < 0.5 * BESIDE, "{error:e}");

@@ -25,7 +25,7 @@ pub const EFFECTS: EffectSet = Empirical::SET;
 
 /// y, where a scenario has such a term.
 fn heat_flow(scenario: &Scenario) -> Option<Hinges> {
-    Hinges::of(scenario.chamber.effects.of(Empirical::PLACE))
+    Hinges::of(scenario.chamber.effects.of(Empirical::INDEX))
 }
 
 /// Whether the missing term is a heat flow over the pressure.
@@ -93,7 +93,7 @@ impl Source {
         to.first[lane] = from.first * factor;
         for k in 0..KNOTS {
             to.knots[k][lane] = from.knots[k];
-            to.bends[k][lane] = from.bends[k] * factor;
+            to.slope_changes[k][lane] = from.slope_changes[k] * factor;
         }
         self.per_temperature[lane] = per_temperature;
     }
@@ -101,10 +101,10 @@ impl Source {
     /// By how much it warms the gas at a pressure, Pa.
     #[inline(always)]
     fn at(&self, pressure: Lanes) -> Lanes {
-        let Hinges { first, knots, bends } = &self.warming;
+        let Hinges { first, knots, slope_changes } = &self.warming;
         let mut sum = *first;
         for k in 0..KNOTS {
-            sum += bends[k] * (pressure - knots[k]).max(Lanes::ZERO);
+            sum += slope_changes[k] * (pressure - knots[k]).max(Lanes::ZERO);
         }
         sum
     }
@@ -112,11 +112,11 @@ impl Source {
     /// The same around a pressure as a line over the temperature while the piston rests: its level and its steepness.
     #[inline(always)]
     fn line(&self, temperature: Lanes) -> [Lanes; 2] {
-        let Hinges { first, knots, bends } = &self.warming;
+        let Hinges { first, knots, slope_changes } = &self.warming;
         let pressure = temperature * self.per_temperature;
         let (mut level, mut steepness) = (*first, Lanes::ZERO);
         for k in 0..KNOTS {
-            let bend = (pressure - knots[k]).where_positive(bends[k], Lanes::ZERO);
+            let bend = (pressure - knots[k]).where_positive(slope_changes[k], Lanes::ZERO);
             level -= bend * knots[k];
             steepness += bend;
         }
@@ -171,7 +171,7 @@ impl LaneSystem<1> for Moving {
 
     #[inline(always)]
     fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.source.warming.corner(from, to)
+        self.source.warming.pressure_kink(from, to)
     }
 }
 
@@ -222,7 +222,7 @@ impl LaneSystem<1> for Held {
 
     #[inline(always)]
     fn kink(&self, from: Lanes, to: Lanes) -> Lanes {
-        self.source.warming.corner(from, to)
+        self.source.warming.pressure_kink(from, to)
     }
 }
 

@@ -21,7 +21,7 @@ pub const EFFECTS: EffectSet = DecayingTurbulence::SET;
 
 /// k, s/m, and τ, s.
 fn turbulence(scenario: &Scenario) -> [f64; 2] {
-    let parameters = scenario.chamber.effects.of(DecayingTurbulence::PLACE);
+    let parameters = scenario.chamber.effects.of(DecayingTurbulence::INDEX);
     [parameters[0], parameters[1]]
 }
 
@@ -144,4 +144,4 @@ impl Holding<2> for Held {
     }
 }
 
-const _: () = assert!(effects::CARDS[DecayingTurbulence::PLACE].parameters.len() == 2);
+const _: () = assert!(effects::CARDS[DecayingTurbulence::INDEX].parameters.len() == 2);

@@ -41,7 +41,7 @@ pub struct WalledTest {
 
 /// C_w, J/K, and G, W/K.
 fn wall(scenario: &Scenario) -> [f64; 2] {
-    let parameters = scenario.chamber.effects.of(WallHeating::PLACE);
+    let parameters = scenario.chamber.effects.of(WallHeating::INDEX);
     [parameters[0], parameters[1]]
 }
 
@@ -232,4 +232,4 @@ impl Holding<2> for Held {
     }
 }
 
-const _: () = assert!(effects::CARDS[WallHeating::PLACE].parameters.len() == 2);
+const _: () = assert!(effects::CARDS[WallHeating::INDEX].parameters.len() == 2);

@@ -18,7 +18,7 @@ pub struct Bends<'a> {
 impl<'a> Bends<'a> {
     /// By the active effects of a chamber.
     pub fn new(active: EffectSet, values: &'a EffectValues) -> Self {
-        let all = Self { set: active.intersection(effects::WITH_BENDS), values };
+        let all = Self { set: active.intersection(effects::WITH_READING_KINKS), values };
         let any = all.between(f64::MIN, f64::MAX).next().is_some();
         if any { all } else { Self { set: EffectSet::NONE, values } }
     }
@@ -41,7 +41,7 @@ impl<'a> Bends<'a> {
     /// Readings on the way from one to another at which the record bends, Pa.
     pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<'a> {
         let Self { set, values } = *self;
-        let next = move |from: f64| Some(values.bend(set, from, to)).filter(|reading| *reading != to);
+        let next = move |from: f64| Some(values.reading_kink(set, from, to)).filter(|reading| *reading != to);
         std::iter::successors(next(from), move |from| next(*from))
     }
 }

@@ -83,9 +83,9 @@ pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
 /// Tight rows with some effects that have no states: of any strength that the cards allow for, from gases much colder or warmer
 /// than the wall, pushed or not, for a tenth of a relaxation or thousands.
 pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let (natural, exponents) = (NaturalConvection::PLACE, PressureExponent::PLACE);
-    let capacity = TemperatureDependentHeatCapacity::PLACE;
-    let (forced, warm) = (ForcedConvection::PLACE, WarmWall::PLACE);
+    let (natural, exponents) = (NaturalConvection::INDEX, PressureExponent::INDEX);
+    let capacity = TemperatureDependentHeatCapacity::INDEX;
+    let (forced, warm) = (ForcedConvection::INDEX, WarmWall::INDEX);
     let rows = changed(count, 53, |k, s, r| {
         let values = &mut s.chamber.effects;
         if k % 2 > 0 {
@@ -124,7 +124,7 @@ pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
             spread(s, index, || r.between(-0.2, 1.2));
         }
         if row % 2 == 0 {
-            s.chamber.effects.of_mut(GasColumnLength::PLACE)[0] = 0.0;
+            s.chamber.effects.of_mut(GasColumnLength::INDEX)[0] = 0.0;
         }
     });
     (kept, rows)
@@ -149,17 +149,17 @@ pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
         let most = (steepness * (high - low) / 8.0).min(0.5 * low);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let bent = Curve { term: Term::Reading, variable: Variable::Pressure, knots, values };
-        s.chamber = s.chamber.with(Empirical::PLACE, &bent.parameters());
+        s.chamber = s.chamber.with(Empirical::INDEX, &bent.parameters());
         let beside = [
-            (SensorLag::PLACE, k % 4 > 1, r.log_between(1e-3, 0.2)),
-            (RecordDelay::PLACE, k % 5 > 3, r.between(0.01, 2.0) * s.push_time_s),
-            (SensorOffset::PLACE, k % 6 > 3, r.between(-1e4, 1e4)),
-            (SensorDrift::PLACE, k % 7 > 4, r.between(-2e3, 2e3)),
-            (Leakage::PLACE, k % 2 > 0, r.log_between(1e-12, 1e-11)),
+            (SensorLag::INDEX, k % 4 > 1, r.log_between(1e-3, 0.2)),
+            (RecordDelay::INDEX, k % 5 > 3, r.between(0.01, 2.0) * s.push_time_s),
+            (SensorOffset::INDEX, k % 6 > 3, r.between(-1e4, 1e4)),
+            (SensorDrift::INDEX, k % 7 > 4, r.between(-2e3, 2e3)),
+            (Leakage::INDEX, k % 2 > 0, r.log_between(1e-12, 1e-11)),
         ];
         set_first(s, beside);
     });
-    (effects::WITH_BENDS.union(effects::of_sensor()).union(Leakage::SET), rows)
+    (effects::WITH_READING_KINKS.union(effects::of_sensor()).union(Leakage::SET), rows)
 }
 
 pub fn results(set: EffectSet, scenarios: &[Scenario], options: &Options) -> Vec<Outcome> {
@@ -233,8 +233,8 @@ pub fn assert_independent(
 
 /// Tight rows in front of a wall that remembers, every other one also with effects that keep the closed form and behind sensors.
 pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let (conduction, column, warm) = (WallConduction::PLACE, GasColumnLength::PLACE, WarmWall::PLACE);
-    let (surface, lag, delay) = (DeadVolumeSurface::PLACE, SensorLag::PLACE, RecordDelay::PLACE);
+    let (conduction, column, warm) = (WallConduction::INDEX, GasColumnLength::INDEX, WarmWall::INDEX);
+    let (surface, lag, delay) = (DeadVolumeSurface::INDEX, SensorLag::INDEX, RecordDelay::INDEX);
     let rows = changed(count, 29, |k, s, r| {
         let all = [
             (conduction, true, r.log_between(1e-5, 1e-2)),
@@ -267,7 +267,7 @@ fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
 /// warmer than the wall: a third of the holds turn round.
 pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 91, |k, s, r| {
-        let values = s.chamber.effects.of_mut(WallHeating::PLACE);
+        let values = s.chamber.effects.of_mut(WallHeating::INDEX);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 1e4) };
         values[1] = if k % 5 == 4 { 0.0 } else { r.log_between(1e-3, 10.0) };
         start_anywhere(s, k, r);
@@ -283,7 +283,7 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
 /// much colder or warmer than the wall, pushed or not.
 pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 53, |k, s, r| {
-        let values = s.chamber.effects.of_mut(DecayingTurbulence::PLACE);
+        let values = s.chamber.effects.of_mut(DecayingTurbulence::INDEX);
         values[0] = if k % 13 == 12 { 0.0 } else { r.log_between(0.01, 100.0) };
         values[1] = r.log_between(0.005, 50.0);
         start_anywhere(s, k, r);
@@ -306,7 +306,7 @@ pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
         let most = r.log_between(0.01, 3.0);
         let values = knots.iter().map(|_| r.between(-most, most)).collect();
         let term = Curve { term: Term::HeatFlow, variable: Variable::Pressure, knots, values };
-        s.chamber = s.chamber.with(Empirical::PLACE, &term.parameters());
+        s.chamber = s.chamber.with(Empirical::INDEX, &term.parameters());
         s.duration_s = s.push_time_s + r.log_between(0.02, 30.0);
     });
     (Empirical::SET, rows)
@@ -320,12 +320,12 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
             (r.log_between(1e-14, if k % 9 == 8 { 1e-9 } else { 1e-11 }), r.between(0.0, 0.6));
         let values = &mut s.chamber.effects;
         match k % 4 {
-            0 => values.of_mut(Leakage::PLACE).copy_from_slice(&[conductance, critical]),
+            0 => values.of_mut(Leakage::INDEX).copy_from_slice(&[conductance, critical]),
             1 => {
                 let supply = [conductance, r.log_between(1e5, 1.5e6), critical];
-                values.of_mut(SupplyLeakage::PLACE).copy_from_slice(&supply);
+                values.of_mut(SupplyLeakage::INDEX).copy_from_slice(&supply);
             }
-            2 => values.of_mut(LaminarLeakage::PLACE)[0] = conductance,
+            2 => values.of_mut(LaminarLeakage::INDEX)[0] = conductance,
             _ => {}
         }
         if k % 4 == 3 || k % 5 > 2 {
@@ -350,7 +350,7 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
 /// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by
 /// next to nothing, which the general equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
-    let (natural, warm) = (NaturalConvection::PLACE, WarmWall::PLACE);
+    let (natural, warm) = (NaturalConvection::INDEX, WarmWall::INDEX);
     let (_, mut rows) = relaxing(count);
     let mut r = Numbers(17);
     for (k, s) in rows.iter_mut().enumerate() {

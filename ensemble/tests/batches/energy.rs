@@ -61,7 +61,7 @@ fn the_energy_error_is_as_large_as_what_the_solution_is_wrong_by_and_falls_with_
 
 #[test]
 fn so_it_is_in_front_of_a_wall_that_warms() {
-    let wall = effects::WallHeating::PLACE;
+    let wall = effects::WallHeating::INDEX;
     let (mut rows, mut r) = (sealed(128), Numbers(8));
     for s in &mut rows {
         let parameters = [r.log_between(0.1, 100.0), r.log_between(0.01, 1.0)];

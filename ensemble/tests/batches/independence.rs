@@ -15,7 +15,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
     let (set, mut lagging) = kept(300);
     let mut r = Numbers(5);
     for s in &mut lagging {
-        s.chamber.effects.of_mut(SensorLag::PLACE)[0] = r.log_between(1e-4, 0.3);
+        s.chamber.effects.of_mut(SensorLag::INDEX)[0] = r.log_between(1e-4, 0.3);
     }
     for ((set, rows), solver) in [
         ((EffectSet::NONE, sealed(700)), Solver::Adaptive),

@@ -49,7 +49,7 @@ fn equations_of_their_own_agree_with_the_plain_integrator_whichever_way_the_hold
 #[test]
 fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
     let scenarios = changed(400, 11, |i, s, r| {
-        s.chamber.effects.of_mut(Leakage::PLACE)[0] = r.log_between(1e-13, 1e-11);
+        s.chamber.effects.of_mut(Leakage::INDEX)[0] = r.log_between(1e-13, 1e-11);
         s.mass_flow_in_kg_per_s = r.log_between(1e-7, 1e-5);
         s.duration_s = 5.0;
         if i % 2 == 0 {
@@ -67,7 +67,7 @@ fn a_leak_that_chokes_or_turns_round_on_the_way_costs_no_accuracy() {
 
 #[test]
 fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_difference() {
-    let [natural, late, lagging] = [NaturalConvection::PLACE, RecordDelay::PLACE, SensorLag::PLACE];
+    let [natural, late, lagging] = [NaturalConvection::INDEX, RecordDelay::INDEX, SensorLag::INDEX];
     let mut rows = sealed(96);
     for (i, s) in rows.iter_mut().enumerate() {
         s.initial_temperature_k = s.ambient_temperature_k;
@@ -97,7 +97,7 @@ fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
     let set = Empirical::SET;
     let rows = changed(64, 24, |_, s, r| {
         s.chamber = s.chamber.with_typical(set);
-        let parameters = s.chamber.effects.of_mut(Empirical::PLACE).iter_mut();
+        let parameters = s.chamber.effects.of_mut(Empirical::INDEX).iter_mut();
         parameters.filter(|typical| typical.abs() < 0.1).for_each(|to| *to = r.between(-0.5, 0.5));
         s.duration_s = 3.0;
     });
@@ -116,7 +116,7 @@ fn with_effect(effect: usize, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
 
 /// The same with a leak.
 fn leaking(conductance: f64) -> (EffectSet, Vec<Scenario>) {
-    with_effect(Leakage::PLACE, &[conductance])
+    with_effect(Leakage::INDEX, &[conductance])
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_chamber_that_leaks_on_has_not_settled_however_long_the_test() {
 #[test]
 fn gas_that_comes_to_rest_warmer_than_the_surroundings_has_settled() {
     let options = Options { fit: false, ..Options::default() };
-    let insulated = with_effect(WallHeating::PLACE, &[1.0, 0.0]);
+    let insulated = with_effect(WallHeating::INDEX, &[1.0, 0.0]);
     let (set, mut rows) = leaking(0.0);
     for s in &mut rows {
         (s.mass_flow_in_kg_per_s, s.mass_flow_out_kg_per_s, s.temperature_in_k) = (5e-6, 5e-6, 350.0);
@@ -155,7 +155,7 @@ fn gas_that_comes_to_rest_warmer_than_the_surroundings_has_settled() {
 fn a_sensor_that_drifts_by_more_than_a_hundredth_has_not_settled() {
     let options = Options { fit: false, ..Options::default() };
     for (drift, settles) in [(-300.0, false), (300.0, false), (1.0, true)] {
-        let (set, rows) = with_effect(SensorDrift::PLACE, &[drift]);
+        let (set, rows) = with_effect(SensorDrift::INDEX, &[drift]);
         for (name, instructions) in InstructionSet::all() {
             for (s, o) in rows.iter().zip(with_instructions(instructions, set, &rows, &options)) {
                 assert_eq!(o.settling_time_s.is_some(), settles, "{name} {drift}");

@@ -11,7 +11,7 @@ use ensemble::{InstructionSet, Options, Scenario, Solver};
 #[test]
 fn a_push_of_many_relaxations_behind_a_lagging_sensor_is_integrated() {
     let mut scenarios = sealed(8);
-    scenarios.iter_mut().for_each(|s| s.chamber = s.chamber.with(SensorLag::PLACE, &[0.01]));
+    scenarios.iter_mut().for_each(|s| s.chamber = s.chamber.with(SensorLag::INDEX, &[0.01]));
     let [quick, slow] = [1.0, 1e4].map(|slower| {
         let slow = |s: &Scenario| {
             let push_time_s = slower * s.push_time_s;
@@ -29,11 +29,11 @@ fn what_a_sensor_shows_of_a_closed_form_agrees_with_the_integrator() {
     let set = effects::of_sensor().union(WarmWall::SET);
     let rows = changed(512, 41, |k, s, r| {
         let all = [
-            (SensorLag::PLACE, k % 2 > 0, r.log_between(1e-4, 1.0)),
-            (RecordDelay::PLACE, k % 4 > 1, r.between(0.01, 0.95) * s.push_time_s),
-            (SensorOffset::PLACE, k % 3 > 0, r.between(-1e4, 1e4)),
-            (SensorDrift::PLACE, k % 5 > 1, r.between(-1e4, 1e4)),
-            (WarmWall::PLACE, k % 7 > 4, r.between(-20.0, 20.0)),
+            (SensorLag::INDEX, k % 2 > 0, r.log_between(1e-4, 1.0)),
+            (RecordDelay::INDEX, k % 4 > 1, r.between(0.01, 0.95) * s.push_time_s),
+            (SensorOffset::INDEX, k % 3 > 0, r.between(-1e4, 1e4)),
+            (SensorDrift::INDEX, k % 5 > 1, r.between(-1e4, 1e4)),
+            (WarmWall::INDEX, k % 7 > 4, r.between(-20.0, 20.0)),
         ];
         set_first(s, all);
         if k % 11 > 8 {
@@ -94,14 +94,14 @@ fn settles_behind(effect: usize, values: &[f64]) -> Vec<(String, Vec<bool>)> {
 #[test]
 fn a_record_so_late_that_it_does_not_show_the_gas_settle_has_not_settled() {
     // At the end it shows the gas of 5 s less the delay: of the hold, of the push, or of before the test.
-    for (name, settled) in settles_behind(RecordDelay::PLACE, &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
+    for (name, settled) in settles_behind(RecordDelay::INDEX, &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
         assert_eq!(settled, [true, true, true, false, false, false, false, false], "{name}");
     }
 }
 
 #[test]
 fn a_record_that_lags_so_far_behind_that_it_is_still_on_its_way_has_not_settled() {
-    for (name, settled) in settles_behind(SensorLag::PLACE, &[0.0, 0.01, 0.1, 3.0]) {
+    for (name, settled) in settles_behind(SensorLag::INDEX, &[0.0, 0.01, 0.1, 3.0]) {
         assert_eq!(settled, [true, true, true, false], "{name}");
     }
 }

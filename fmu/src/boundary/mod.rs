@@ -9,7 +9,7 @@
 mod pointers;
 pub mod saved;
 
-pub use pointers::{elements, elements_mut, place, text};
+pub use pointers::{destination, elements, elements_mut, text};
 
 use crate::plant::simulation::Kind;
 use crate::protocol::instance::Instance;
@@ -38,12 +38,12 @@ fn of_library() -> Option<Block> {
 /// A host's logger, for one FMI version. A copy of it remains valid after the instance is freed.
 pub trait Listener: Clone {
     /// Rewords a message from the terms of FMI 2.0 to those of this version.
-    fn words(text: &str) -> String {
+    fn adapt_text(text: &str) -> String {
         text.to_owned()
     }
 
     /// Converts a refusal from the terms of FMI 2.0 to those of this version.
-    fn terms(refusal: Refusal) -> Refusal {
+    fn adapt_refusal(refusal: Refusal) -> Refusal {
         refusal
     }
 
@@ -51,7 +51,7 @@ pub trait Listener: Clone {
     ///
     /// # Safety
     /// The host's function and pointers must be valid, as the standard requires.
-    unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr);
+    unsafe fn log(&self, status: Status, category: &CStr, text: &CStr);
 }
 
 /// The object behind the host's component or instance pointer.
@@ -71,7 +71,7 @@ impl<L: Listener> Component<L> {
         let status = match outcome {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => {
-                let refusal = L::terms(refusal);
+                let refusal = L::adapt_refusal(refusal);
                 let (status, category) = (refusal.status(), refusal.category());
                 messages.push(Message { status, category, text: format!("{function} refused: {refusal}") });
                 status
@@ -83,7 +83,7 @@ impl<L: Listener> Component<L> {
                     category: Category::Error,
                     text: format!(
                         "{function} broke down, which is a fault of the FMU ({}); fmi2Reset makes the instance as new",
-                        said(&*panic)
+                        panic_message(&*panic)
                     ),
                 });
                 Status::Error
@@ -108,7 +108,7 @@ impl<L: Listener> Component<L> {
             let chosen = categories.is_empty() || categories.iter().any(|c| c == name || c == "logAll");
             *wanted = if logging_on { chosen } else { category != Category::Events };
         }
-        self.instance.tells_events = self.wanted[Category::Events as usize];
+        self.instance.logs_events = self.wanted[Category::Events as usize];
         Ok(())
     }
 }
@@ -116,7 +116,7 @@ impl<L: Listener> Component<L> {
 /// Selects the messages that the host receives.
 ///
 /// # Safety
-/// As for [`guarded`]; `categories` points to `n` texts.
+/// As for [`call_guarded`]; `categories` points to `n` texts.
 pub unsafe fn choose<L: Listener>(
     c: *mut c_void,
     function: &'static str,
@@ -126,7 +126,7 @@ pub unsafe fn choose<L: Listener>(
 ) -> CEnum {
     // SAFETY: as the caller promises.
     unsafe {
-        guarded::<L>(c, function, &mut |component| {
+        call_guarded::<L>(c, function, &mut |component| {
             let mut chosen = Vec::new();
             for &category in elements(categories, n, "categories")? {
                 chosen.push(text(category).ok_or(Refusal::Null { argument: "categories[i]" })?);
@@ -139,7 +139,7 @@ pub unsafe fn choose<L: Listener>(
 /// Completes an integrator step, which never causes an event or the end of the simulation.
 ///
 /// # Safety
-/// Both pointers are NULL or places for a flag.
+/// Both pointers are NULL or destinations for a flag.
 pub unsafe fn completed_step<F: Default>(
     instance: &mut Instance,
     enter_event_mode: *mut F,
@@ -147,14 +147,14 @@ pub unsafe fn completed_step<F: Default>(
 ) -> Result<()> {
     // SAFETY: as the caller promises.
     let (enter, end) =
-        unsafe { (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?) };
+        unsafe { (destination(enter_event_mode, "enterEventMode")?, destination(terminate, "terminateSimulation")?) };
     instance.completed_step()?;
     (*enter, *end) = (F::default(), F::default());
     Ok(())
 }
 
 /// The message of a panic.
-fn said(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
@@ -164,7 +164,7 @@ fn said(panic: &(dyn Any + Send)) -> String {
 ///
 /// # Safety
 /// `c` is NULL or a component of [`instantiate`] with this listener that has not been freed, in use by no other thread.
-pub unsafe fn guarded<L: Listener>(
+pub unsafe fn call_guarded<L: Listener>(
     c: *mut c_void,
     function: &'static str,
     call: &mut dyn FnMut(&mut Component<L>) -> Result<()>,
@@ -176,14 +176,14 @@ pub unsafe fn guarded<L: Listener>(
         let listener = component.listener.clone();
         for message in messages {
             // SAFETY: the listener is the host's, valid as the standard asks.
-            unsafe { tell(&listener, &message) };
+            unsafe { deliver(&listener, &message) };
         }
     }
     status as CEnum
 }
 
 /// Defines the C functions of an FMI version, whose `Host` is in scope: each one's action on the instance behind the component
-/// `c`, its first argument. Each returns the status from [`guarded`].
+/// `c`, its first argument. Each returns the status from [`call_guarded`].
 macro_rules! c_functions {
     ($(
         $(#[$doc:meta])+
@@ -194,7 +194,7 @@ macro_rules! c_functions {
         pub unsafe extern "C" fn $function(c: *mut c_void, $($argument: $of),*) -> CEnum {
             // SAFETY: the host's component, pointers, arrays and texts, as the standard requires.
             unsafe {
-                boundary::guarded::<Host>(c, stringify!($function), &mut |component| {
+                boundary::call_guarded::<Host>(c, stringify!($function), &mut |component| {
                     let $instance = &mut component.instance;
                     $call
                 })
@@ -207,7 +207,7 @@ pub(crate) use c_functions;
 /// Resets the component, also after a panic.
 ///
 /// # Safety
-/// As for [`guarded`].
+/// As for [`call_guarded`].
 pub unsafe fn reset<L: Listener>(c: *mut c_void) -> CEnum {
     // SAFETY: as the caller promises; the reference ends here.
     if let Some(component) = unsafe { c.cast::<Component<L>>().as_mut() } {
@@ -218,7 +218,7 @@ pub unsafe fn reset<L: Listener>(c: *mut c_void) -> CEnum {
         Ok(())
     };
     // SAFETY: as the caller promises.
-    unsafe { guarded(c, "fmi2Reset", &mut reset) }
+    unsafe { call_guarded(c, "fmi2Reset", &mut reset) }
 }
 
 /// Creates a component; on failure its listener receives the reason.
@@ -253,23 +253,23 @@ pub unsafe fn instantiate<L: Listener>(
         Ok(Ok(mut instance)) => {
             let mut wanted = [true; Category::ALL.len()];
             wanted[Category::Events as usize] = logging_on;
-            instance.tells_events = logging_on;
+            instance.logs_events = logging_on;
             let component = Component { listener, wanted, instance, broken: false };
             return Box::into_raw(Box::new(component)).cast();
         }
         Ok(Err(why)) => why,
-        Err(panic) => said(&*panic),
+        Err(panic) => panic_message(&*panic),
     };
     let text = format!("the instance was not created: {refused}");
     // SAFETY: as the caller promises.
-    unsafe { tell(&listener, &Message { status: Status::Error, category: Category::Error, text }) };
+    unsafe { deliver(&listener, &Message { status: Status::Error, category: Category::Error, text }) };
     std::ptr::null_mut()
 }
 
 /// Frees a component; ignores NULL.
 ///
 /// # Safety
-/// As for [`guarded`]; the component is gone afterwards.
+/// As for [`call_guarded`]; the component is gone afterwards.
 pub unsafe fn free<L>(c: *mut c_void) {
     if !c.is_null() {
         // SAFETY: created by `Box::into_raw` in `instantiate`, and freed once by the host.
@@ -279,10 +279,10 @@ pub unsafe fn free<L>(c: *mut c_void) {
 }
 
 /// Delivers a message to the host, worded for its FMI version.
-unsafe fn tell<L: Listener>(listener: &L, message: &Message) {
-    let text = L::words(&message.text);
+unsafe fn deliver<L: Listener>(listener: &L, message: &Message) {
+    let text = L::adapt_text(&message.text);
     // SAFETY: as the caller promises.
-    unsafe { listener.hear(message.status, &c_string(message.category.name()), &c_string(&text)) };
+    unsafe { listener.log(message.status, &c_string(message.category.name()), &c_string(&text)) };
 }
 
 /// Text as a C string, without NUL characters.

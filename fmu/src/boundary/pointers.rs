@@ -43,7 +43,7 @@ pub unsafe fn elements_mut<'a, T>(data: *mut T, length: usize, argument: &'stati
 ///
 /// # Safety
 /// As for [`elements_mut`] with one element.
-pub unsafe fn place<'a, T>(data: *mut T, argument: &'static str) -> Result<&'a mut T> {
+pub unsafe fn destination<'a, T>(data: *mut T, argument: &'static str) -> Result<&'a mut T> {
     // SAFETY: as the caller promises.
     let all = unsafe { elements_mut(data, 1, argument)? };
     all.first_mut().ok_or(Refusal::Null { argument })

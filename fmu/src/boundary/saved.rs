@@ -1,17 +1,17 @@
 //! Saved states for the host, the same for all FMI versions: a handle is the address of a copy kept by the instance, and is only
 //! ever compared.
 
-use super::{Instance, Refusal, Result, place};
+use super::{Instance, Refusal, Result, destination};
 use std::ffi::c_void;
 use std::slice;
 
 /// Saves the present state under a new or the given handle.
 ///
 /// # Safety
-/// `state` is NULL or a place for a handle.
+/// `state` is NULL or a destination for a handle.
 pub unsafe fn save(instance: &mut Instance, state: *mut *mut c_void) -> Result<()> {
     // SAFETY: as the caller promises.
-    let state = unsafe { place(state, "FMUstate")? };
+    let state = unsafe { destination(state, "FMUstate")? };
     *state = instance.save(state.addr()) as *mut c_void;
     Ok(())
 }
@@ -32,10 +32,10 @@ pub unsafe fn free(instance: &mut Instance, state: *mut *mut c_void) -> Result<(
 /// Length of a saved state in bytes.
 ///
 /// # Safety
-/// `size` is NULL or a place for a number.
+/// `size` is NULL or a destination for a number.
 pub unsafe fn size(instance: &Instance, state: *mut c_void, size: *mut usize) -> Result<()> {
     // SAFETY: as the caller promises.
-    let size = unsafe { place(size, "size")? };
+    let size = unsafe { destination(size, "size")? };
     *size = instance.serialize(state.addr())?.len();
     Ok(())
 }
@@ -60,7 +60,7 @@ pub unsafe fn serialize(instance: &Instance, state: *mut c_void, bytes: *mut u8,
 /// Restores a state from bytes and keeps it under a handle.
 ///
 /// # Safety
-/// As for [`serialize`]; `state` is NULL or a place for a handle.
+/// As for [`serialize`]; `state` is NULL or a destination for a handle.
 pub unsafe fn deserialize(
     instance: &mut Instance,
     bytes: *const u8,
@@ -68,7 +68,7 @@ pub unsafe fn deserialize(
     state: *mut *mut c_void,
 ) -> Result<()> {
     // SAFETY: as the caller promises.
-    let state = unsafe { place(state, "FMUstate")? };
+    let state = unsafe { destination(state, "FMUstate")? };
     if bytes.is_null() || size > isize::MAX as usize {
         return Err(Refusal::Null { argument: "serializedState" });
     }

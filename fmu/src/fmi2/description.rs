@@ -2,7 +2,7 @@
 
 use crate::description::{self, Attributes, Description, Dialect, dependencies, items, of_enumeration};
 use crate::identity::Identity;
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::values::Starts;
 use crate::table::settable;
 use crate::table::structure::Unknown;
@@ -26,7 +26,7 @@ impl Dialect for Fmi2 {
     const GUID: &'static str = "guid";
 
     fn more() -> Attributes {
-        vec![("numberOfEventIndicators", CORNERS.to_string())]
+        vec![("numberOfEventIndicators", EVENT_INDICATORS.to_string())]
     }
 
     fn capabilities(xml: &mut String, identifier: &str) {

@@ -54,7 +54,7 @@ impl Host {
 }
 
 impl Listener for Host {
-    unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
+    unsafe fn log(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(logger) = self.callbacks.logger else { return };
         // SAFETY: the host's function, with pointers valid until it returns; the text is an argument of "%s".
         unsafe {

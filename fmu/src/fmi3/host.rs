@@ -21,11 +21,11 @@ pub struct Host {
 }
 
 impl Listener for Host {
-    fn words(text: &str) -> String {
+    fn adapt_text(text: &str) -> String {
         text.replace("fmi2", "fmi3").replace("FMUstate", "FMUState")
     }
 
-    fn terms(refusal: Refusal) -> Refusal {
+    fn adapt_refusal(refusal: Refusal) -> Refusal {
         let term = |fmi2: &'static str| match fmi2 {
             "Real" => "Float64",
             "Integer" => "Int64",
@@ -43,7 +43,7 @@ impl Listener for Host {
         }
     }
 
-    unsafe fn hear(&self, status: Status, category: &CStr, text: &CStr) {
+    unsafe fn log(&self, status: Status, category: &CStr, text: &CStr) {
         let Some(log) = self.log else { return };
         // SAFETY: the host's function, with pointers valid until it returns.
         unsafe { log(self.environment, status as CEnum, category.as_ptr(), text.as_ptr()) };
@@ -57,11 +57,11 @@ mod tests {
 
     #[test]
     fn a_reference_that_fmi_3_alone_has_is_refused_by_name_and_one_beyond_all_with_the_range_of_all() {
-        let told = |reference| Host::terms(Refusal::UnknownReference { reference, last: 0 }).to_string();
+        let message = |reference| Host::adapt_refusal(Refusal::UnknownReference { reference, last: 0 }).to_string();
         let end = indicator_references().end;
         let time = time_reference();
-        assert_eq!(told(time), format!("time (value reference {time}) can only be read, with fmi3GetFloat64"));
-        assert!(told(end - 1).starts_with("eventIndicator"));
-        assert!(told(end).ends_with(&format!("the model description lists 0 to {}", end - 1)));
+        assert_eq!(message(time), format!("time (value reference {time}) can only be read, with fmi3GetFloat64"));
+        assert!(message(end - 1).starts_with("eventIndicator"));
+        assert!(message(end).ends_with(&format!("the model description lists 0 to {}", end - 1)));
     }
 }

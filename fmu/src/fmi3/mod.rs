@@ -10,7 +10,7 @@ pub mod host;
 #[cfg(feature = "package")]
 pub mod terminals;
 
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::table::table;
 
 /// Value reference of the independent variable.
@@ -21,7 +21,7 @@ pub fn time_reference() -> u32 {
 /// Value references of the event indicators.
 pub fn indicator_references() -> std::ops::Range<u32> {
     let first = time_reference() + 1;
-    first..first + CORNERS as u32
+    first..first + EVENT_INDICATORS as u32
 }
 
 /// Name of a variable after those of the table, which only FMI 3.0 has.

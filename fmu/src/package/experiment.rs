@@ -5,7 +5,7 @@
 
 use super::related::{CSV, Related};
 use super::validation::{self, Validation};
-use crate::plant::leader::{EXPERIMENT_S, Leader, PUSH_S};
+use crate::plant::motion_source::{EXPERIMENT_S, MotionSource, PUSH_S};
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::{Starts, input, output};
 use crate::xml::line;
@@ -77,10 +77,13 @@ fn time(step: u32) -> f64 {
 /// The stroke of the default experiment: linear between rows, with two rows where the speed jumps.
 fn inputs(starts: &Starts) -> String {
     let mut text = String::from("time,position,velocity\n");
-    for (step, leader) in
-        [(0, Leader::Push), (PUSH_STEPS, Leader::Push), (PUSH_STEPS, Leader::Hold), (STEPS, Leader::Hold)]
-    {
-        let at = leader.stroke(starts.inputs[input::POSITION], time(step));
+    for (step, source) in [
+        (0, MotionSource::Push),
+        (PUSH_STEPS, MotionSource::Push),
+        (PUSH_STEPS, MotionSource::Hold),
+        (STEPS, MotionSource::Hold),
+    ] {
+        let at = source.stroke(starts.inputs[input::POSITION], time(step));
         let _ = at.map(|(position, velocity)| writeln!(text, "{},{position},{velocity}", time(step)));
     }
     text

@@ -13,7 +13,7 @@ use crate::fmi3;
 use crate::identity::Identity;
 use crate::plant::values::Starts;
 use crate::start_values::{self, Block, BlockError};
-use crate::table::units::behind;
+use crate::table::units::unit_suffix;
 use crate::table::{settable, table};
 use documentation::About;
 use signatures::SignatureError;
@@ -91,7 +91,7 @@ pub struct Contents<'a> {
 #[derive(Debug, Error)]
 pub enum PackageError {
     /// A start value that the FMU would refuse.
-    #[error("{name} = {value}{of} cannot be a start value: it must lie within {min} to {max}{of}", of = behind(unit))]
+    #[error("{name} = {value}{of} cannot be a start value: it must lie within {min} to {max}{of}", of = unit_suffix(unit))]
     StartValue {
         name: &'static str,
         value: f64,
@@ -156,9 +156,9 @@ pub fn package(contents: &Contents<'_>) -> Result<Vec<u8>, PackageError> {
     for library in contents.libraries {
         let mut bytes = library.bytes.to_vec();
         let platform = || library.platform.to_owned();
-        let places =
+        let offsets =
             block.write_into(&mut bytes).map_err(|cause| PackageError::Library { platform: platform(), cause })?;
-        signatures::sign(&mut bytes, &places, start_values::LENGTH)
+        signatures::sign(&mut bytes, &offsets, start_values::LENGTH)
             .map_err(|cause| PackageError::Signature { platform: platform(), cause })?;
         add(
             &format!(

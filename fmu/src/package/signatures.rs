@@ -37,12 +37,12 @@ pub enum SignatureError {
 ///
 /// # Errors
 /// A signature that is damaged or not of the linker's kind.
-pub fn sign(library: &mut [u8], places: &[usize], length: usize) -> Result<(), SignatureError> {
+pub fn sign(library: &mut [u8], offsets: &[usize], length: usize) -> Result<(), SignatureError> {
     for slice in slices(library)? {
         let part = library.get_mut(slice.clone()).ok_or(SignatureError::Damaged)?;
         let Some(directory) = CodeDirectory::of(part)? else { continue };
-        for place in places.iter().filter(|&&place| slice.start <= place && place + length <= slice.end) {
-            let begin = place - slice.start;
+        for offset in offsets.iter().filter(|&&offset| slice.start <= offset && offset + length <= slice.end) {
+            let begin = offset - slice.start;
             for page in begin / directory.page..(begin + length).div_ceil(directory.page) {
                 directory.renew(part, page)?;
             }
@@ -118,8 +118,8 @@ impl CodeDirectory {
         let begin = page * self.page;
         let content = library.get(begin..self.limit.min(begin + self.page)).ok_or(SignatureError::Damaged)?;
         let hash = Sha256::digest(content);
-        let place = self.hashes + page * HASH_LENGTH;
-        let slot = library.get_mut(place..place + HASH_LENGTH).filter(|_| begin < self.limit);
+        let offset = self.hashes + page * HASH_LENGTH;
+        let slot = library.get_mut(offset..offset + HASH_LENGTH).filter(|_| begin < self.limit);
         slot.ok_or(SignatureError::Damaged)?.copy_from_slice(&hash);
         Ok(())
     }
@@ -159,8 +159,8 @@ mod tests {
     fn signed(code: usize) -> Vec<u8> {
         let mut file: Vec<u8> = (0..code).map(|i| (i * i % 251) as u8).collect();
         let count = code.div_ceil(PAGE);
-        for (place, value) in [(0, LIBRARY_64), (16, 1), (32, LOAD_SIGNATURE), (36, 16), (40, code as u32)] {
-            file[place..place + 4].copy_from_slice(&value.to_le_bytes());
+        for (offset, value) in [(0, LIBRARY_64), (16, 1), (32, LOAD_SIGNATURE), (36, 16), (40, code as u32)] {
+            file[offset..offset + 4].copy_from_slice(&value.to_le_bytes());
         }
         let hashes = 44 + 8;
         let length = hashes + count * HASH_LENGTH;
@@ -185,10 +185,10 @@ mod tests {
             sign(&mut library, &[change.start], change.len()).unwrap();
         }
         for (page, content) in library[..3 * PAGE + 100].chunks(PAGE).enumerate() {
-            let place = hashes + page * HASH_LENGTH;
-            assert_eq!(library[place..place + HASH_LENGTH], *Sha256::digest(content), "page {page}");
+            let offset = hashes + page * HASH_LENGTH;
+            assert_eq!(library[offset..offset + HASH_LENGTH], *Sha256::digest(content), "page {page}");
             assert_eq!(
-                library[place..place + HASH_LENGTH] == fresh[place..place + HASH_LENGTH],
+                library[offset..offset + HASH_LENGTH] == fresh[offset..offset + HASH_LENGTH],
                 page == 2,
                 "page {page}"
             );

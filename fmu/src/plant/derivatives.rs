@@ -75,7 +75,7 @@ fn states_along(now: &Simulation, seed: &Seed, moment: &Moment<'_, D>) -> Result
     let from = D::from(now.gas.position);
     let jumps = now.kind == Kind::CoSimulation && !now.is_moved_by_velocity();
     if jumps && moment.boundary.position != from {
-        states = states::jump(&moment.balance.chamber, moment.set, &moment.boundary, &states, from)
+        states = states::instantaneous_stroke(&moment.balance.chamber, moment.set, &moment.boundary, &states, from)
             .map_err(|e| Fault::no_stroke(now.time, e))?;
     }
     for (state, tangent) in states.iter_mut().zip(seed.states) {

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_stands_or_goes_back_a_little_keeps_the_stretches_in_order() {
+    fn a_clock_that_stops_or_steps_back_a_little_keeps_the_stretches_in_order() {
         let mut record = filled(0.002, 40, 0.05);
         let end = record.end().unwrap();
         for (back, length) in [(0.0, 0.0), (1e-10, 1e-10), (0.067, 1e-3), (0.01, 0.02), (1e-12, 0.002)] {
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_stretch_the_first_reading_stands() {
+    fn before_the_first_stretch_the_record_shows_the_first_reading() {
         assert_eq!(filled(0.01, 3, 10.0).at(-5.0), (wave(0.0), 0.0));
     }
 }

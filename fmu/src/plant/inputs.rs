@@ -17,7 +17,7 @@ pub struct Inputs {
     /// Derivatives for the next step, by order.
     pub derivative: [[f64; ORDERS]; INPUTS],
     /// Whether a derivative of the input was set since the last step.
-    pub led: [bool; INPUTS],
+    pub has_derivative: [bool; INPUTS],
     /// Value at the present time: the host's, or the end value of its extrapolation over the last step.
     pub now: [f64; INPUTS],
     /// Rate at the present time.
@@ -27,14 +27,20 @@ pub struct Inputs {
 impl Inputs {
     /// Constant inputs with these values.
     pub fn new(value: [f64; INPUTS]) -> Self {
-        Self { value, derivative: [[0.0; ORDERS]; INPUTS], led: [false; INPUTS], now: value, rate: [0.0; INPUTS] }
+        Self {
+            value,
+            derivative: [[0.0; ORDERS]; INPUTS],
+            has_derivative: [false; INPUTS],
+            now: value,
+            rate: [0.0; INPUTS],
+        }
     }
 
     /// Sets an input.
     pub fn set(&mut self, index: usize, value: f64) {
         self.value[index] = value;
         self.now[index] = value;
-        if !self.led[index] {
+        if !self.has_derivative[index] {
             self.rate[index] = 0.0;
         }
     }
@@ -42,7 +48,7 @@ impl Inputs {
     /// Sets a derivative of an input, of order 1 or more.
     pub fn set_derivative(&mut self, index: usize, order: usize, value: f64) {
         self.derivative[index][order - 1] = value;
-        self.led[index] = true;
+        self.has_derivative[index] = true;
         if order == 1 {
             self.rate[index] = value;
         }
@@ -50,12 +56,14 @@ impl Inputs {
 
     /// Whether only the position changes within the step, linearly.
     pub fn is_plain(&self) -> bool {
-        self.led == [false; INPUTS]
+        self.has_derivative == [false; INPUTS]
     }
 
     /// Whether a port is open, now or within the step.
     pub fn opens_ports(&self) -> bool {
-        [input::SUPPLY_PORT, input::EXHAUST_PORT].iter().any(|port| self.value[port + 2] != 0.0 || self.led[port + 2])
+        [input::SUPPLY_PORT, input::EXHAUST_PORT]
+            .iter()
+            .any(|port| self.value[port + 2] != 0.0 || self.has_derivative[port + 2])
     }
 
     /// Value of an input, `s` seconds into the step.
@@ -74,7 +82,7 @@ impl Inputs {
     /// Position and speed of the piston according to the inputs, `s` seconds into the step.
     #[inline]
     pub fn stroke(&self, s: f64) -> (f64, f64) {
-        if self.led[input::POSITION] {
+        if self.has_derivative[input::POSITION] {
             return (self.at(input::POSITION, s), self.rate_at(input::POSITION, s));
         }
         self.travel_from(self.value[input::POSITION], s)
@@ -105,30 +113,30 @@ impl Inputs {
             self.rate = [0.0; INPUTS];
             self.rate[input::POSITION] = self.now[input::VELOCITY];
         } else {
-            *self = self.led_on(h);
+            *self = self.extrapolated(h);
         }
     }
 
     /// Inputs after a step of `h` seconds, extrapolated with their derivatives.
-    fn led_on(&self, h: f64) -> Self {
+    fn extrapolated(&self, h: f64) -> Self {
         let mut next = self.clone();
         next.now = core::array::from_fn(|i| self.at(i, h));
         next.rate = core::array::from_fn(|i| self.rate_at(i, h));
         (next.now[input::POSITION], next.now[input::VELOCITY]) = self.stroke(h);
-        if self.led[input::POSITION] {
+        if self.has_derivative[input::POSITION] {
             let [_, second, third] = self.derivative[input::POSITION];
             next.rate[input::VELOCITY] = second + h * third;
         }
         next.rate[input::POSITION] = next.now[input::VELOCITY];
         next.derivative = [[0.0; ORDERS]; INPUTS];
-        next.led = [false; INPUTS];
+        next.has_derivative = [false; INPUTS];
         next
     }
 
     /// Present values, with the piston's actual speed.
     pub fn present(&self) -> [f64; INPUTS] {
         let mut now = self.now;
-        if self.led[input::POSITION] {
+        if self.has_derivative[input::POSITION] {
             now[input::VELOCITY] = self.derivative[input::POSITION][0];
         }
         now
@@ -138,7 +146,7 @@ impl Inputs {
     pub fn present_rate(&self) -> [f64; INPUTS] {
         let mut rate = self.rate;
         rate[input::POSITION] = self.present()[input::VELOCITY];
-        if self.led[input::POSITION] {
+        if self.has_derivative[input::POSITION] {
             rate[input::VELOCITY] = self.derivative[input::POSITION][1];
         }
         rate
@@ -147,7 +155,7 @@ impl Inputs {
     /// Passes to `take` the times within a step of `h` seconds at which a linear speed or flow changes sign, where the balance
     /// has kinks.
     pub fn sign_changes(&self, h: f64, mut take: impl FnMut(f64)) {
-        let speed = if self.led[input::POSITION] {
+        let speed = if self.has_derivative[input::POSITION] {
             let [first, second, third] = self.derivative[input::POSITION];
             (first, second, third)
         } else {
@@ -205,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_position_s_derivative_takes_the_velocity_s_place() {
+    fn the_position_s_derivative_replaces_the_velocity() {
         let mut u = moving();
         u.set_derivative(input::POSITION, 1, -0.04);
         u.set_derivative(input::POSITION, 2, 0.02);

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`values`] | indices of inputs, outputs and parameters; parameters as a chamber |
 //! | [`inputs`] | the host's inputs, with derivatives within a step |
-//! | [`leader`] | what moves the piston: the host or the default experiment |
+//! | [`motion_source`] | what moves the piston: the host or the default experiment |
 //! | [`stroke`] | the piston's motion: limits, and strokes given by position or by velocity |
 //! | [`port`] | flow through a valve's port, ISO 6358 |
 //! | [`states`] | the states, their initial values, and instantaneous strokes |
@@ -12,16 +12,16 @@
 //! | [`tangent`] | the equations along a direction |
 //! | [`derivatives`] | exact directional and time derivatives of a simulation |
 //! | [`step`] | one communication step with internal integration |
-//! | [`corners`] | corners of the equations: event indicators |
+//! | [`event_indicators`] | event indicators: functions that change sign at the kinks of the equations |
 //! | [`history`] | past sensor readings, for a delayed record |
 //! | [`simulation`] | a running simulation of either kind |
 
-pub mod corners;
 pub mod derivatives;
+pub mod event_indicators;
 pub mod fault;
 pub mod history;
 pub mod inputs;
-pub mod leader;
+pub mod motion_source;
 pub mod port;
 pub mod rates;
 pub mod simulation;

@@ -37,9 +37,9 @@ impl<R: Real> Port<R> {
         let temperature = inward.where_positive(self.temperature, at.temperature);
         let ratio = downstream / upstream;
         let beyond = (ratio.min(R::from(LINEAR_ABOVE)) - self.critical_ratio).max(R::ZERO);
-        let share = beyond / (R::ONE - self.critical_ratio);
+        let fraction = beyond / (R::ONE - self.critical_ratio);
         let fade = ((R::ONE - ratio) * (1.0 / (1.0 - LINEAR_ABOVE))).min(R::ONE);
-        let psi = (R::ONE - share * share).sqrt() * fade;
+        let psi = (R::ONE - fraction * fraction).sqrt() * fade;
         let density = R::from(REFERENCE_PRESSURE_PER_KELVIN) / at.gas_constant;
         let size =
             self.conductance * upstream * density * (R::from(REFERENCE_TEMPERATURE_K) / temperature).sqrt() * psi;
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_choked_port_flows_as_its_conductance_says() {
+    fn the_flow_of_a_choked_port_is_given_by_its_conductance() {
         let [mass, enthalpy] = port(7e5).flow(&at(1e5));
         assert!((mass / (1e-9 * 7e5 * 1.185) - 1.0).abs() < 1e-14);
         assert!((enthalpy / (mass * 1.4 * 287.0 / 0.4 * 293.15) - 1.0).abs() < 1e-14);
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_port_is_the_leak_of_the_same_conductance() {
         let mut chamber = super::super::values::Starts::default().parameters.chamber();
-        let leak = Leakage::PLACE;
+        let leak = Leakage::INDEX;
         chamber.effects.of_mut(leak).copy_from_slice(&[1e-9, 0.3]);
         for pressure in [0.2e5, 0.9e5, 0.9999e5, 1.0001e5, 1.1e5, 2e5, 7e5] {
             let boundary = Boundary::closed(0.1, 293.15, 1e5);

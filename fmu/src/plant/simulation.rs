@@ -1,10 +1,10 @@
 //! A running simulation of either kind: integrated here between communication points, or by the host, which sets time and states.
 
-use super::corners::{self, CORNERS, Piston, Rest, Sides};
+use super::event_indicators::{self, EVENT_INDICATORS, Piston, Rest, Sides};
 use super::fault::Fault;
 use super::history::{self, Reading, Record, Stretch};
 use super::inputs::{self, Inputs};
-use super::leader::Leader;
+use super::motion_source::MotionSource;
 use super::port::Around;
 use super::rates::{Moment, Present, Sensor};
 use super::states::{self, ALL, Origin, TRAVEL};
@@ -67,7 +67,7 @@ pub struct Simulation {
     /// Parameters as the host set them, SI units.
     pub parameters: Parameters,
     /// What moves the piston.
-    pub leader: Leader,
+    pub motion_source: MotionSource,
     /// Inputs as the host set them, SI units, with their derivatives.
     pub inputs: Inputs,
     /// The gas; meaningless before the end of initialization.
@@ -78,7 +78,7 @@ pub struct Simulation {
     pub absolute: [f64; STATES],
     /// Past sensor readings, if the record is delayed.
     pub record: Option<Record>,
-    /// Sides of the corners at the last event.
+    /// Sides of the kinks at the last event.
     pub sides: Sides,
     /// The host's last completed step of Model Exchange.
     pub completed: Completed,
@@ -97,7 +97,7 @@ impl Simulation {
             experiment: Experiment { start: 0.0, stop: None, tolerance: DEFAULT_TOLERANCE },
             time: 0.0,
             parameters: starts.parameters,
-            leader: Leader::Push,
+            motion_source: MotionSource::Push,
             inputs: Inputs::new(starts.inputs),
             gas: Gas { states: [0.0; ALL], position, inner_step: 0.0, port_flows: None },
             origin: Origin { mass: 0.0, energy: 0.0, position },
@@ -139,12 +139,12 @@ impl Simulation {
     /// Present inputs, with the piston's actual position and speed.
     pub fn here(&self) -> [f64; INPUTS] {
         let mut u = self.inputs.present();
-        (u[input::POSITION], u[input::VELOCITY]) = self.place(&self.piston());
+        (u[input::POSITION], u[input::VELOCITY]) = self.actual_motion(&self.piston());
         u
     }
 
     /// Actual position and speed of the piston.
-    fn place(&self, piston: &Piston) -> (f64, f64) {
+    fn actual_motion(&self, piston: &Piston) -> (f64, f64) {
         let exchange = self.kind == Kind::ModelExchange && self.is_moved_by_velocity() && self.started;
         match (exchange, self.sides.rest) {
             // The states are the host's: the piston moves on until the event at the end of the stroke is handled.
@@ -259,18 +259,18 @@ impl Simulation {
 
     /// From now on the host moves the piston. After the default experiment, it rests until the host sets more.
     pub fn hand_over(&mut self) {
-        if self.leader != Leader::Host {
+        if self.motion_source != MotionSource::Host {
             if self.started {
                 self.inputs.set(input::VELOCITY, 0.0);
             }
-            self.leader = Leader::Host;
+            self.motion_source = MotionSource::Host;
         }
     }
 
     /// Sets position and velocity to those of the default experiment at the present time, while it is active.
-    pub fn lead(&mut self) {
+    pub fn apply_default_motion(&mut self) {
         let elapsed = self.time - self.experiment.start;
-        if let Some((position, velocity)) = self.leader.stroke(self.origin.position, elapsed) {
+        if let Some((position, velocity)) = self.motion_source.stroke(self.origin.position, elapsed) {
             let position = if self.kind == Kind::CoSimulation { self.gas.position } else { position };
             self.inputs.set(input::POSITION, position);
             self.inputs.set(input::VELOCITY, velocity);
@@ -278,8 +278,8 @@ impl Simulation {
     }
 
     /// Time at which the default experiment changes next, s.
-    pub fn turn(&self) -> Option<f64> {
-        self.leader.until().map(|until| self.experiment.start + until)
+    pub fn default_motion_change(&self) -> Option<f64> {
+        self.motion_source.until().map(|until| self.experiment.start + until)
     }
 
     /// One communication step of `h` seconds. On refusal nothing has changed.
@@ -287,11 +287,11 @@ impl Simulation {
     /// # Errors
     /// If no accurate step exists.
     pub fn step(&mut self, h: f64) -> Result<(), Fault> {
-        if self.leader == Leader::Host {
-            return self.step_on(h);
+        if self.motion_source == MotionSource::Host {
+            return self.step_with_inputs(h);
         }
         let before = self.clone();
-        let outcome = self.step_by_default(h);
+        let outcome = self.step_with_default_motion(h);
         if outcome.is_err() {
             *self = before;
         }
@@ -299,23 +299,23 @@ impl Simulation {
     }
 
     /// A step of the default experiment, split where it changes within the step.
-    fn step_by_default(&mut self, h: f64) -> Result<(), Fault> {
+    fn step_with_default_motion(&mut self, h: f64) -> Result<(), Fault> {
         let end = self.time + h;
-        if let Some(turn) = self.turn().filter(|turn| *turn < end) {
-            if turn > self.time {
-                self.lead();
-                self.step_on(turn - self.time)?;
+        if let Some(change) = self.default_motion_change().filter(|change| *change < end) {
+            if change > self.time {
+                self.apply_default_motion();
+                self.step_with_inputs(change - self.time)?;
             }
-            self.leader = Leader::Hold;
+            self.motion_source = MotionSource::Hold;
         }
-        self.lead();
-        self.step_on(end - self.time)?;
+        self.apply_default_motion();
+        self.step_with_inputs(end - self.time)?;
         self.time = end;
-        self.lead();
+        self.apply_default_motion();
         Ok(())
     }
 
-    fn step_on(&mut self, h: f64) -> Result<(), Fault> {
+    fn step_with_inputs(&mut self, h: f64) -> Result<(), Fault> {
         if self.gas.hold(&self.plant, &self.inputs, h) {
             self.inputs.advance(h);
             self.inputs.now[input::POSITION] = self.gas.position;
@@ -384,8 +384,10 @@ impl Simulation {
         if self.kind == Kind::ModelExchange || position == self.gas.position {
             return Ok(*states);
         }
-        states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, states, self.gas.position)
-            .map_err(|e| Fault::no_stroke(self.time, e))
+        states::instantaneous_stroke(
+            &self.plant.balance.chamber, self.plant.set, &moment.boundary, states, self.gas.position,
+        )
+        .map_err(|e| Fault::no_stroke(self.time, e))
     }
 
     /// The sensor's reading one delay earlier, Pa, and its rate, Pa/s, if the record is delayed.
@@ -400,8 +402,8 @@ impl Simulation {
         Some(record.at(then))
     }
 
-    /// Values of the corner functions at present.
-    fn corners(&self) -> Result<[f64; CORNERS], Fault> {
+    /// Present values of [`event_indicators::kink_indicators`].
+    fn kink_indicators(&self) -> Result<[f64; EVENT_INDICATORS], Fault> {
         let u = self.here();
         let moment = self.moment(&u);
         let states = match self.started {
@@ -411,23 +413,23 @@ impl Simulation {
                 states::initial(&self.parameters, &self.plant.balance.chamber, &moment.boundary)
             }
         };
-        Ok(corners::corners(&moment, &u, &states, &self.piston(), self.sides.rest))
+        Ok(event_indicators::kink_indicators(&moment, &u, &states, &self.piston(), self.sides.rest))
     }
 
-    /// The side of each corner that the chamber is on; `None` where it rests at one, since leaving it is no event.
+    /// The side of each kink that the chamber is on; `None` where it rests at one, since leaving it is no event.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room.
-    pub fn clear_sides(&self) -> Result<[Option<bool>; CORNERS], Fault> {
-        Ok(Sides::clear(&self.corners()?, self.experiment.tolerance))
+    pub fn clear_sides(&self) -> Result<[Option<bool>; EVENT_INDICATORS], Fault> {
+        Ok(Sides::clear(&self.kink_indicators()?, self.experiment.tolerance))
     }
 
-    /// Whether a corner was crossed between these sides and the present state.
+    /// Whether a kink was crossed between these sides and the present state.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room.
-    pub fn has_changed(&self, sides: &[Option<bool>; CORNERS]) -> Result<bool, Fault> {
-        let now = self.corners()?;
+    pub fn has_changed(&self, sides: &[Option<bool>; EVENT_INDICATORS]) -> Result<bool, Fault> {
+        let now = self.kink_indicators()?;
         Ok(sides.iter().zip(now).any(|(side, value)| side.is_some_and(|above| above != (value > 0.0))))
     }
 
@@ -435,20 +437,20 @@ impl Simulation {
     ///
     /// # Errors
     /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
-    pub fn indicators(&self) -> Result<[f64; CORNERS], Fault> {
-        Ok(self.sides.indicators(&self.corners()?, self.experiment.tolerance))
+    pub fn indicators(&self) -> Result<[f64; EVENT_INDICATORS], Fault> {
+        Ok(self.sides.indicators(&self.kink_indicators()?, self.experiment.tolerance))
     }
 
     /// Handles an event for a host that integrates: applies a jump of the position to the gas, and updates the sides of all
-    /// corners. Returns whether states changed.
+    /// kinks. Returns whether states changed.
     ///
     /// # Errors
     /// If the present inputs leave the gas no room, or the host's states are impossible for a gas.
     pub fn handle_event(&mut self) -> Result<bool, Fault> {
-        let before = (self.leader, self.inputs.clone(), self.gas.states, self.sides);
+        let before = (self.motion_source, self.inputs.clone(), self.gas.states, self.sides);
         let outcome = self.event();
         if outcome.is_err() {
-            (self.leader, self.inputs, self.gas.states, self.sides) = before;
+            (self.motion_source, self.inputs, self.gas.states, self.sides) = before;
         }
         outcome
     }
@@ -457,20 +459,21 @@ impl Simulation {
         let mut changed = false;
         // The host reaches a time event only to within its clock's rounding. Some, such as fmusim, restart the integration only
         // if states have changed: the change of the experiment is reported as that.
-        if self.turn().is_some_and(|turn| self.time >= turn - 1e-12 * turn.abs()) {
-            self.leader = Leader::Hold;
+        if self.default_motion_change().is_some_and(|change| self.time >= change - 1e-12 * change.abs()) {
+            self.motion_source = MotionSource::Hold;
             changed = true;
         }
-        self.lead();
+        self.apply_default_motion();
         if !self.is_moved_by_velocity() {
             let u = self.here();
             let (from, to) = (self.completed.position, u[input::POSITION]);
             if from != to {
                 let moment = self.moment(&u);
                 self.states_at(&moment)?;
-                let after =
-                    states::jump(&self.plant.balance.chamber, self.plant.set, &moment.boundary, &self.gas.states, from)
-                        .map_err(|e| Fault::no_stroke(self.time, e))?;
+                let after = states::instantaneous_stroke(
+                    &self.plant.balance.chamber, self.plant.set, &moment.boundary, &self.gas.states, from,
+                )
+                .map_err(|e| Fault::no_stroke(self.time, e))?;
                 self.gas.states = after;
                 changed = true;
             }
@@ -480,14 +483,14 @@ impl Simulation {
         Ok(changed)
     }
 
-    /// Updates the sides of all corners, and the piston's rest position.
+    /// Updates the sides of all kinks, and the piston's rest position.
     fn settle(&mut self) -> Result<(), Fault> {
         if self.is_moved_by_velocity() {
             let piston = self.piston();
             self.sides.settle_rest(&piston);
         }
-        let corners = self.corners()?;
-        self.sides.settle(&corners);
+        let indicators = self.kink_indicators()?;
+        self.sides.settle(&indicators);
         Ok(())
     }
 

@@ -59,7 +59,7 @@ const INSTANT_S: f64 = 1e-15;
 ///
 /// # Errors
 /// If the equations cannot be integrated along the stroke.
-pub fn jump<R: Scalar>(
+pub fn instantaneous_stroke<R: Scalar>(
     chamber: &Chamber<R>,
     set: EffectSet,
     at: &Boundary<R>,
@@ -80,8 +80,8 @@ pub fn jump<R: Scalar>(
     let still = Boundary { mass_flow_in: R::ZERO, mass_flow_out: R::ZERO, velocity: stroke * (1.0 / INSTANT_S), ..*at };
     // States of the gas and its effects, then the work.
     const N: usize = STATES + 1;
-    let system = |share: f64, y: &[R; N]| {
-        let boundary = Boundary { position: from + stroke * share, ..still };
+    let system = |fraction: f64, y: &[R; N]| {
+        let boundary = Boundary { position: from + stroke * fraction, ..still };
         let gas: [R; STATES] = core::array::from_fn(|i| y[i]);
         let (_, rates, own) = balance::evaluate(set, &chamber, &boundary, &gas);
         let mut out = [R::ZERO; N];
@@ -122,14 +122,14 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_to_take_up_a_stroke_agree() {
+    fn closed_form_and_integral_of_an_instantaneous_stroke_agree() {
         let mut chamber = Starts::default().parameters.chamber();
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.07;
-        let closed = jump(&chamber, EffectSet::NONE, &boundary, &states, 0.1).unwrap();
-        let lag = SensorLag::PLACE;
+        let closed = instantaneous_stroke(&chamber, EffectSet::NONE, &boundary, &states, 0.1).unwrap();
+        let lag = SensorLag::INDEX;
         chamber.effects.of_mut(lag)[0] = 0.01;
-        let integrated = jump(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
+        let integrated = instantaneous_stroke(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
         assert!((closed[ENERGY] / integrated[ENERGY] - 1.0).abs() < 1e-10);
         assert!((closed[WORK] / integrated[WORK] - 1.0).abs() < 1e-9);
         assert!((states[ENERGY] - closed[WORK] - closed[ENERGY]).abs() < 1e-14);
@@ -143,11 +143,11 @@ mod tests {
     #[test]
     fn a_core_of_gas_is_compressed_like_the_rest() {
         let mut chamber = Starts::default().parameters.chamber();
-        let zones = GasZones::PLACE;
+        let zones = GasZones::INDEX;
         chamber.effects.of_mut(zones).copy_from_slice(&[0.3, 0.05]);
         let (mut boundary, states) = at(3e5, &chamber);
         boundary.position = 0.05;
-        let after = jump(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
+        let after = instantaneous_stroke(&chamber, chamber.active(), &boundary, &states, 0.1).unwrap();
         let core = OWN + effects::STATE_OFFSETS[zones];
         assert!((after[core] / states[core] - after[ENERGY] / states[ENERGY]).abs() < 1e-10);
     }

@@ -83,8 +83,8 @@ impl Plant {
 
     /// Wall temperature without effects, K.
     fn wall(&self, inputs: &Inputs) -> f64 {
-        let place = if self.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
-        inputs.value[place]
+        let index = if self.choices.external_wall { input::WALL_TEMPERATURE } else { input::AMBIENT_TEMPERATURE };
+        inputs.value[index]
     }
 
     /// Internal energy, J, of a sealed gas after `h` seconds with its piston held: the exact solution. The heat exchange
@@ -155,12 +155,12 @@ impl Gas {
         for position in [begin, end] {
             plant.volume_at(position)?;
         }
-        let states = self.taken_up(plant, inputs, begin).map_err(|e| Fault::no_step(h, time, e))?;
+        let states = self.after_position_jump(plant, inputs, begin).map_err(|e| Fault::no_step(h, time, e))?;
         let ports = inputs.opens_ports();
         let bare = plant.set.is_empty() && !ports;
         let closed = [input::MASS_FLOW_IN, input::MASS_FLOW_OUT].iter().all(|&i| inputs.value[i] == 0.0);
         let is_straight = inputs.is_plain() && motion.is_straight(h);
-        let course = Course { plant, inputs, motion, time, h, inner_step: self.inner_step, is_straight };
+        let context = StepContext { plant, inputs, motion, time, h, inner_step: self.inner_step, is_straight };
         let mut gas = if bare && closed && is_straight && speed == 0.0 {
             let mut states = states;
             let volume = plant.balance.chamber.geometry.volume(begin);
@@ -170,11 +170,11 @@ impl Gas {
             Gas { states, position: end, inner_step: self.inner_step, port_flows: Some([0.0; 4]) }
         } else {
             let (states, inner_step, port_flows) = match (ports, plant.few_states) {
-                _ if bare => course.gas_alone(states),
-                (false, true) => course.in_all_states::<{ GAS + FEW }, 0, FEW>(states, record),
-                (false, false) => course.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, record),
-                (true, true) => course.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, record),
-                (true, false) => course.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, record),
+                _ if bare => context.gas_alone(states),
+                (false, true) => context.in_all_states::<{ GAS + FEW }, 0, FEW>(states, record),
+                (false, false) => context.in_all_states::<{ GAS + ALL_OWN }, 0, ALL_OWN>(states, record),
+                (true, true) => context.in_all_states::<{ GAS + PORTS + FEW }, PORTS, FEW>(states, record),
+                (true, false) => context.in_all_states::<{ GAS + PORTS + ALL_OWN }, PORTS, ALL_OWN>(states, record),
             }?;
             Gas { states, position: end, inner_step, port_flows: Some(port_flows) }
         };
@@ -188,12 +188,12 @@ impl Gas {
     }
 
     /// The states after an adiabatic jump to the host's position of the piston.
-    fn taken_up(&self, plant: &Plant, inputs: &Inputs, begin: f64) -> Result<[f64; ALL], IntegrationError> {
+    fn after_position_jump(&self, plant: &Plant, inputs: &Inputs, begin: f64) -> Result<[f64; ALL], IntegrationError> {
         if begin == self.position || plant.choices.stroke_input == StrokeInput::Velocity {
             return Ok(self.states);
         }
         let boundary = Boundary { position: begin, ..inputs::boundary(&inputs.value) };
-        states::jump(&plant.balance.chamber, plant.set, &boundary, &self.states, self.position)
+        states::instantaneous_stroke(&plant.balance.chamber, plant.set, &boundary, &self.states, self.position)
     }
 }
 
@@ -201,7 +201,7 @@ impl Gas {
 type Outcome = ([f64; ALL], f64, [f64; 4]);
 
 /// One step of a plant along its inputs.
-struct Course<'a> {
+struct StepContext<'a> {
     plant: &'a Plant,
     inputs: &'a Inputs,
     motion: Motion<'a>,
@@ -213,7 +213,7 @@ struct Course<'a> {
     is_straight: bool,
 }
 
-impl Course<'_> {
+impl StepContext<'_> {
     /// Wall temperature without effects, K.
     fn wall(&self) -> f64 {
         self.plant.wall(self.inputs)
@@ -247,7 +247,7 @@ impl Course<'_> {
         }
     }
 
-    /// As [`Course::gas_alone`], with the wall's temperature in place of the ambient one, which nothing else uses.
+    /// As [`StepContext::gas_alone`], with the wall's temperature in place of the ambient one, which nothing else uses.
     fn gas_along(&self, mut states: [f64; ALL], boundary: impl Fn(f64) -> Boundary) -> Result<Outcome, Fault> {
         let Plant { balance, tolerance: Tolerance { relative, absolute }, .. } = self.plant;
         let rates = |s: f64, y: &[f64; GAS]| {
@@ -349,7 +349,7 @@ impl Course<'_> {
         Ok((states::with_sums(&gas_of(&end), end[HEAT_SUM], end[WORK_SUM], states[TRAVEL]), inner_step, flows))
     }
 
-    /// Integrates over the step, with breakpoints at the corners of the inputs.
+    /// Integrates over the step, with breakpoints at the kinks of the inputs.
     fn run<const N: usize>(
         &self,
         states: [f64; N],

@@ -81,12 +81,12 @@ impl<'a> Motion<'a> {
 
     /// Whether the piston has a constant speed throughout a step of `h` seconds.
     pub fn is_straight(&self, h: f64) -> bool {
-        let led = match self.begin {
-            Some(_) => self.inputs.led[input::VELOCITY],
-            None => self.inputs.led[input::POSITION] || self.inputs.led[input::VELOCITY],
+        let has_derivative = match self.begin {
+            Some(_) => self.inputs.has_derivative[input::VELOCITY],
+            None => self.inputs.has_derivative[input::POSITION] || self.inputs.has_derivative[input::VELOCITY],
         };
         let (begin, end) = (self.said(0.0), self.said(h));
-        !led && self.limits.apply(begin.0, begin.1) == begin && !self.limits.excludes(end.0)
+        !has_derivative && self.limits.apply(begin.0, begin.1) == begin && !self.limits.excludes(end.0)
     }
 
     /// Passes to `take` the times within a step of `h` seconds at which the piston reaches or leaves a limit.

@@ -223,8 +223,8 @@ pub fn start_inputs(position: f64, ambient_temperature: f64, ambient_pressure: f
     let mut inputs = [0.0; INPUTS];
     inputs[input::POSITION] = position;
     inputs[input::AMBIENT_PRESSURE] = ambient_pressure;
-    for place in [input::TEMPERATURE_IN, input::AMBIENT_TEMPERATURE, input::WALL_TEMPERATURE] {
-        inputs[place] = ambient_temperature;
+    for index in [input::TEMPERATURE_IN, input::AMBIENT_TEMPERATURE, input::WALL_TEMPERATURE] {
+        inputs[index] = ambient_temperature;
     }
     for port in [input::SUPPLY_PORT, input::EXHAUST_PORT] {
         inputs[port] = ambient_pressure;

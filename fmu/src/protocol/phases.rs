@@ -36,8 +36,8 @@ impl Phase {
     /// Phases in which a host that integrates may get states, rates and indicators.
     pub const EXCHANGE: [Phase; 4] = [Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 
-    /// The phase in words, for a refusal.
-    pub fn told(self) -> &'static str {
+    /// Description of the phase, for a refusal.
+    pub fn description(self) -> &'static str {
         match self {
             Phase::Instantiated => "before initialization mode",
             Phase::Initialization => "in initialization mode",

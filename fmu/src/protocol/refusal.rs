@@ -5,7 +5,7 @@
 
 use super::message::{Category, Status};
 use crate::plant::fault::Fault;
-use crate::table::units::behind;
+use crate::table::units::unit_suffix;
 use thiserror::Error;
 
 /// Why a call was refused. Names are those of the model description, arguments those of the standard; values are in the
@@ -51,10 +51,10 @@ pub enum Refusal {
     #[error("{name} has no value before initialization mode is entered")]
     NotYetKnown { name: &'static str },
     /// NaN or infinite.
-    #[error("{name} = {value}{} is not a finite number; nothing was set", behind(unit))]
+    #[error("{name} = {value}{} is not a finite number; nothing was set", unit_suffix(unit))]
     NotFinite { name: &'static str, value: f64, unit: &'static str },
     /// Outside the variable's bounds.
-    #[error("{name} = {value}{of} lies outside {min} to {max}{of}; nothing was set", of = behind(unit))]
+    #[error("{name} = {value}{of} lies outside {min} to {max}{of}; nothing was set", of = unit_suffix(unit))]
     OutOfRange { name: &'static str, value: f64, unit: &'static str, min: f64, max: f64 },
     /// A variable without derivatives for the host.
     #[error("{name} is not an {wanted}: it has no derivatives to {action}")]
@@ -69,11 +69,11 @@ pub enum Refusal {
     #[error("{name} has no derivative of order {order}: this FMU supports orders 1 to {highest}")]
     DerivativeOrder { name: &'static str, order: i32, highest: i32 },
     /// A directional derivative with a variable in the wrong role.
-    #[error("{name} cannot be {place} of a directional derivative; {advice}")]
+    #[error("{name} cannot be {role} of a directional derivative; {advice}")]
     NoDirection {
         name: &'static str,
         /// Role given to the variable by the host: "an unknown" or "a known".
-        place: &'static str,
+        role: &'static str,
         advice: &'static str,
     },
     /// An invalid number of the experiment or step.

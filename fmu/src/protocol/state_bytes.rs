@@ -6,10 +6,10 @@
 use super::phases::Phase;
 use super::refusal::Refusal;
 use super::snapshot::Snapshot;
-use crate::plant::corners::{CORNERS, Rest, Sides};
+use crate::plant::event_indicators::{EVENT_INDICATORS, Rest, Sides};
 use crate::plant::history::{Reading, Record, Stretch};
 use crate::plant::inputs::{Inputs, ORDERS};
-use crate::plant::leader::Leader;
+use crate::plant::motion_source::MotionSource;
 use crate::plant::simulation::{Completed, Experiment, Kind, Simulation, TOLERANCES};
 use crate::plant::states::Origin;
 use crate::plant::step::Gas;
@@ -44,11 +44,11 @@ fn payload(snapshot: &Snapshot, out: &mut Vec<u8>) {
     put(&[f64::from(snapshot.phase as u8), f64::from(s.kind as u8)]);
     put(&Choice::ALL.map(|choice| f64::from(s.parameters.choices.get(choice))));
     put(&[s.experiment.start, flag(s.experiment.stop.is_some()), s.experiment.stop.unwrap_or(0.0)]);
-    put(&[s.experiment.tolerance, s.time, f64::from(s.leader as u8)]);
+    put(&[s.experiment.tolerance, s.time, f64::from(s.motion_source as u8)]);
     put(&s.parameters.real);
     put(&s.inputs.value);
     put(s.inputs.derivative.as_flattened());
-    put(&s.inputs.led.map(flag));
+    put(&s.inputs.has_derivative.map(flag));
     put(&s.inputs.now);
     put(&s.inputs.rate);
     put(&s.gas.states);
@@ -148,7 +148,7 @@ impl Reader<'_> {
         let tolerance = self.real().filter(|t| TOLERANCES.contains(t))?;
         s.experiment = Experiment { start, stop: has_stop.then_some(stop), tolerance };
         s.time = self.real()?;
-        s.leader = self.one_of(&Leader::ALL, |leader| leader as u8)?;
+        s.motion_source = self.one_of(&MotionSource::ALL, |source| source as u8)?;
         s.parameters.real = self.reals()?;
         s.inputs = self.inputs()?;
         s.gas = Gas { states: self.reals()?, position: self.real()?, inner_step: self.real()?, port_flows: None };
@@ -166,7 +166,7 @@ impl Reader<'_> {
     }
 
     fn sides(&mut self) -> Option<Sides> {
-        let mut above = [false; CORNERS];
+        let mut above = [false; EVENT_INDICATORS];
         for side in &mut above {
             *side = self.flag()?;
         }
@@ -179,11 +179,11 @@ impl Reader<'_> {
         for orders in &mut derivative {
             *orders = self.reals()?;
         }
-        let mut led = [false; INPUTS];
-        for flag in &mut led {
+        let mut has_derivative = [false; INPUTS];
+        for flag in &mut has_derivative {
             *flag = self.flag()?;
         }
-        Some(Inputs { value, derivative, led, now: self.reals()?, rate: self.reals()? })
+        Some(Inputs { value, derivative, has_derivative, now: self.reals()?, rate: self.reals()? })
     }
 
     fn record(&mut self) -> Option<Option<Record>> {
@@ -224,6 +224,6 @@ fn makes_sense(snapshot: &Snapshot) -> bool {
                 .end()
                 .is_none_or(|end| s.kind == Kind::ModelExchange || end <= s.time + CLOCK * s.time.abs().max(1.0))
     });
-    let led = s.leader == Leader::Host || s.origin.position.abs() < 1e6;
-    within && led && of_its_kind && gas && record && ascending && s.gas.inner_step >= 0.0
+    let origin = s.motion_source == MotionSource::Host || s.origin.position.abs() < 1e6;
+    within && origin && of_its_kind && gas && record && ascending && s.gas.inner_step >= 0.0
 }

@@ -45,7 +45,7 @@ pub(super) fn parameters(table: &mut Vec<Variable>) {
             "externalWall",
             &format!(
                 "Whether the input wallTemperature is the temperature of the wall, for a thermal network that supplies heatFlow; {} have no influence then",
-                effects::words(OF_WALL)
+                effects::names(OF_WALL)
             ),
             Choice::ExternalWall,
             Type::Boolean,

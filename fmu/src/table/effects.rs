@@ -19,7 +19,7 @@ pub fn effects_here() -> impl Iterator<Item = (usize, &'static Card)> {
 /// # Errors
 /// The reason, as a sentence.
 pub fn exported(effect: usize, values: &[f64]) -> Result<(), String> {
-    if effect != Empirical::PLACE {
+    if effect != Empirical::INDEX {
         return Ok(());
     }
     match Curve::of(values) {
@@ -53,13 +53,13 @@ pub(super) fn parameters(table: &mut Vec<Variable>) {
 pub fn parameter_name(card: &Card, parameter: &Parameter) -> String {
     let name = format!("{}.{}", camel(card.name), camel(parameter.name));
     match parameter.kind {
-        Kind::Place { index, .. } => format!("{name}[{}]", index + 1),
+        Kind::ListEntry { index, .. } => format!("{name}[{}]", index + 1),
         Kind::Number | Kind::Word(_) => name,
     }
 }
 
 /// The names of a set's effects as a list: `wallHeating, warmWall and wallConduction`.
-pub fn words(set: EffectSet) -> String {
+pub fn names(set: EffectSet) -> String {
     let names: Vec<String> = effects::all().filter(|(i, _)| set.has(*i)).map(|(_, card)| camel(card.name)).collect();
     listed(&names)
 }
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn real_parameters_stand_in_the_order_of_their_places() {
+    fn real_parameters_follow_the_order_of_their_indices() {
         let parameters: Vec<_> =
             table().iter().filter_map(|v| if let Role::Parameter(i) = v.role { Some(i) } else { None }).collect();
         let offsets = effects::PARAMETER_OFFSETS;

@@ -34,18 +34,18 @@ pub fn table() -> &'static [Variable] {
 }
 
 /// Index of the variable with this role.
-pub fn place(role: Role) -> Option<usize> {
+pub fn index_of(role: Role) -> Option<usize> {
     table().iter().position(|v| v.role == role)
 }
 
 /// Index of the variable for a continuous state.
-pub fn place_of_state(state: usize) -> Option<usize> {
-    place(states::role_of_state(state))
+pub fn index_of_state(state: usize) -> Option<usize> {
+    index_of(states::role_of_state(state))
 }
 
 /// Orders of magnitude of the continuous states.
 pub fn nominals() -> [f64; ALL] {
-    core::array::from_fn(|state| place_of_state(state).map_or(1.0, |place| table()[place].nominal))
+    core::array::from_fn(|state| index_of_state(state).map_or(1.0, |index| table()[index].nominal))
 }
 
 /// The start or present value of a settable variable.
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn every_state_is_a_variable_with_a_rate() {
         for state in 0..ALL {
-            assert!(place_of_state(state).is_some() && place(Role::Rate(state)).is_some(), "{state}");
+            assert!(index_of_state(state).is_some() && index_of(Role::Rate(state)).is_some(), "{state}");
             assert_eq!(states::state_of_role(states::role_of_state(state)), Some(state));
         }
     }

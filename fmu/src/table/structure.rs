@@ -59,13 +59,13 @@ fn dependencies(
 ) -> Vec<Unknown> {
     let is_unknown: Vec<bool> = table().iter().map(|v| unknowns(v.role)).collect();
     let mut found = vec![Vec::new(); table().len()];
-    for (place, variable) in table().iter().enumerate().filter(|(_, v)| known(v)) {
+    for (index, variable) in table().iter().enumerate().filter(|(_, v)| known(v)) {
         let derivatives: Vec<Present> = probes.iter().map(|probe| derivative(probe, variable)).collect();
         for (unknown, dependencies) in found.iter_mut().enumerate().filter(|(i, _)| is_unknown[*i]) {
             let other = &table()[unknown];
             let largest = derivatives.iter().filter_map(|d| value(d, other.role)).map(f64::abs).fold(0.0, f64::max);
             if largest * variable.nominal > NOTICEABLE * other.nominal {
-                dependencies.push(place);
+                dependencies.push(index);
             }
         }
     }
@@ -76,13 +76,13 @@ fn dependencies(
 
 /// Adds the other entries of partly included parameter tables: which entries matter depends on the knots.
 fn whole_tables(dependencies: &mut Vec<usize>) {
-    let of_table = |place: usize| {
-        let Variable { name, role: Role::Parameter(_), .. } = &table()[place] else { return None };
+    let of_table = |index: usize| {
+        let Variable { name, role: Role::Parameter(_), .. } = &table()[index] else { return None };
         name.split_once('[').map(|(table, _)| table)
     };
-    let tables: Vec<&str> = dependencies.iter().filter_map(|place| of_table(*place)).collect();
-    let is_theirs = |place: usize| of_table(place).is_some_and(|table| tables.contains(&table));
-    *dependencies = (0..table().len()).filter(|place| dependencies.contains(place) || is_theirs(*place)).collect();
+    let tables: Vec<&str> = dependencies.iter().filter_map(|index| of_table(*index)).collect();
+    let is_theirs = |index: usize| of_table(index).is_some_and(|table| tables.contains(&table));
+    *dependencies = (0..table().len()).filter(|index| dependencies.contains(index) || is_theirs(*index)).collect();
 }
 
 /// Derivatives with respect to one variable; for a choice, the difference between its two values.
@@ -160,21 +160,21 @@ fn values(effect: usize) -> impl Iterator<Item = Vec<f64>> {
     const RANGE: f64 = 1e6;
     let card = &effects::CARDS[effect];
     let mut all = vec![card.parameters.iter().map(|p| p.typical).collect::<Vec<f64>>()];
-    for (place, parameter) in card.parameters.iter().enumerate() {
+    for (position, parameter) in card.parameters.iter().enumerate() {
         match parameter.kind {
             Holds::Number => {}
             Holds::Word(words) => {
                 let with = |values: &Vec<f64>, word: usize| {
                     let mut values = values.clone();
-                    values[place] = word as f64;
+                    values[position] = word as f64;
                     values
                 };
                 all = all.iter().flat_map(|values| (1..=words.len()).map(move |word| with(values, word))).collect();
             }
-            Holds::Place { index, rising } => {
-                let places = card.parameters.iter().filter(|p| p.name == parameter.name).count();
-                let spread = RANGE * (2.0 * index as f64 / (places - 1) as f64 - 1.0);
-                all.iter_mut().filter(|_| rising).for_each(|values| values[place] = spread);
+            Holds::ListEntry { index, rising } => {
+                let entries = card.parameters.iter().filter(|p| p.name == parameter.name).count();
+                let spread = RANGE * (2.0 * index as f64 / (entries - 1) as f64 - 1.0);
+                all.iter_mut().filter(|_| rising).for_each(|values| values[position] = spread);
             }
         }
     }
@@ -226,16 +226,16 @@ fn probe(started: bool, kind: Kind, set: &Effects, around_pressure: f64) -> Simu
 mod tests {
     use super::*;
     use crate::plant::values::output;
-    use crate::table::place;
+    use crate::table::index_of;
 
     fn names(unknowns: &[Unknown], of: Role) -> Vec<String> {
-        let variable = place(of).unwrap();
+        let variable = index_of(of).unwrap();
         let unknown = unknowns.iter().find(|u| u.variable == variable).unwrap();
         unknown.dependencies.iter().map(|i| table()[*i].name.clone()).collect()
     }
 
     #[test]
-    fn the_volume_depends_on_the_position_or_the_way_of_the_piston_alone() {
+    fn the_volume_depends_on_the_position_or_the_travel_of_the_piston_alone() {
         let outputs = between_steps(|role| matches!(role, Role::Output(_)));
         assert_eq!(names(&outputs, Role::Output(output::VOLUME)), ["position", "travel"]);
     }

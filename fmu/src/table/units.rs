@@ -162,7 +162,7 @@ impl Quantity {
 }
 
 /// A unit as written after a number; empty for a dimensionless one.
-pub fn behind(unit: &str) -> String {
+pub fn unit_suffix(unit: &str) -> String {
     if ["", "1"].contains(&unit) { String::new() } else { format!(" {unit}") }
 }
 

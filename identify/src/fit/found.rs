@@ -145,11 +145,11 @@ impl Fit {
         let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
             let setting = self.setting(t, own);
             let mut more = setting;
-            more.chamber.effects.of_mut(ForcedConvection::PLACE)[0] *= 1.0 + SMALL;
+            more.chamber.effects.of_mut(ForcedConvection::INDEX)[0] *= 1.0 + SMALL;
             let (here, there) = (readings(t, &setting, set).ok()?, readings(t, &more, set).ok()?);
             Some(there.iter().zip(here).map(|(there, here)| (there - here) / SMALL).collect())
         };
-        if !set.has(ForcedConvection::PLACE) {
+        if !set.has(ForcedConvection::INDEX) {
             return vec![Vec::new(); data.traces.len()];
         }
         data.traces.par_iter().zip(&self.own).map(|record| of_record(record).unwrap_or_default()).collect()

@@ -254,7 +254,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         (Verdict::Adequate, _) => "none",
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
         (_, Some(first)) => match chamber::effects::find(first) {
-            Some((effects::Empirical::PLACE, _)) => {
+            Some((effects::Empirical::INDEX, _)) => {
                 found.read_off.as_ref().map_or("none", |r| r.first_order.term.balance().name())
             }
             Some((_, card)) => card.balance.name(),

@@ -41,7 +41,7 @@ pub struct LeftOut {
 impl Empirical {
     /// The curve that the search found; `None` without one.
     pub fn of(found: &ReadOff, leaves_noise: bool) -> Option<Self> {
-        let (effect, curve) = (effects::Empirical::PLACE, found.curve()?);
+        let (effect, curve) = (effects::Empirical::INDEX, found.curve()?);
         let fit = &found.candidate.fit;
         let covariance = covariance::covariance(fit, leaves_noise);
         let values = fit.hypothesis.axes.iter().zip(covariance::estimates(fit, &covariance));

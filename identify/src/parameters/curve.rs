@@ -7,7 +7,7 @@ use chamber::effects::empirical::{Curve, Empirical, Term, Variable};
 
 /// The curve that a chamber's effect represents, if any.
 pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
-    (effect == Empirical::PLACE).then(|| Curve::of(chamber.effects.of(effect))).flatten()
+    (effect == Empirical::INDEX).then(|| Curve::of(chamber.effects.of(effect))).flatten()
 }
 
 /// Prior standard deviation of a curve's value from the straight line through its neighbours, relative to the largest value.

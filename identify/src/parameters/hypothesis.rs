@@ -74,13 +74,13 @@ impl Hypothesis {
             let free = |p: &Parameter| match (p.fitted, p.kind) {
                 (Fitted::Never, _) => false,
                 (Fitted::Secondary, _) => model.secondary.has(e),
-                (Fitted::Always, Kind::Place { index, .. }) => index < in_use,
+                (Fitted::Always, Kind::ListEntry { index, .. }) => index < in_use,
                 // Only the difference of two delays is observable: beside a pressure delay, that of a position with a free
                 // low-pass is held.
                 (Fitted::Always, _) => !(is_delayed && delays_position(e) && model.secondary.has(e)),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
-                if let (Some(curve), Kind::Place { index, .. }) = (curve_of(e, base), parameter.kind) {
+                if let (Some(curve), Kind::ListEntry { index, .. }) = (curve_of(e, base), parameter.kind) {
                     axes.push(axis_of_value(&curve, index, Slot::Effect(e, p), sizes));
                     continue;
                 }
@@ -303,7 +303,7 @@ fn set<R: Real>(chamber: &mut Chamber<R>, axis: &Axis, x: R) {
             values[p] = value;
             // A list shorter than its places repeats its last number.
             let places = parameters.iter().zip(values).skip(p + 1);
-            let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::Place { .. });
+            let of_list = |q: &Parameter| q.name == parameters[p].name && matches!(q.kind, Kind::ListEntry { .. });
             places.take_while(|(q, _)| of_list(q)).for_each(|(_, rest)| *rest = value);
         }
         Slot::Bore
@@ -418,14 +418,14 @@ mod tests {
 
     #[test]
     fn gas_zones_exchange_heat_no_faster_than_shows() {
-        let (conductance, sizes) = last_axis(GasZones::PLACE);
+        let (conductance, sizes) = last_axis(GasZones::INDEX);
         let most_w_per_k = conductance.value(conductance.bounds[1]);
         assert!((most_w_per_k * sizes.relaxation / sizes.gas_capacity - 30.0).abs() < 1e-9, "{most_w_per_k}");
     }
 
     #[test]
     fn an_additional_area_is_none_beside_which_that_of_the_bore_is_nothing() {
-        let (area, sizes) = last_axis(DeadVolumeSurface::PLACE);
+        let (area, sizes) = last_axis(DeadVolumeSurface::INDEX);
         let most_m2 = area.value(area.bounds[1]);
         assert!((most_m2 / (30.0 * sizes.volume.powf(2.0 / 3.0)) - 1.0).abs() < 1e-9, "{most_m2}");
     }
@@ -434,7 +434,7 @@ mod tests {
     fn a_position_is_early_by_little_more_than_half_a_row_and_only_behind_a_low_pass() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);
-        let effect = PositionDelay::PLACE;
+        let effect = PositionDelay::INDEX;
         let one = EffectSet::one(effect);
         let earliest_s = |secondary: EffectSet| {
             let model = Model { secondary, ..Model::with(one) };

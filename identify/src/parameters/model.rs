@@ -65,7 +65,7 @@ impl Model {
 
     /// The most initial temperatures that its records can have free.
     pub fn most_of_start(&self) -> OwnStart {
-        if self.effects.has(WallHeating::PLACE) { OwnStart::GasAndWall } else { OwnStart::Gas }
+        if self.effects.has(WallHeating::INDEX) { OwnStart::GasAndWall } else { OwnStart::Gas }
     }
 
     /// The same terms without free secondary parameters.

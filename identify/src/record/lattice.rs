@@ -1,6 +1,6 @@
 //! The steps of an analogue-to-digital converter or an encoder, in the readings' unit, from the differences between readings.
 
-use records::{bends, extremes};
+use records::{extremes, second_differences};
 
 /// Spacing of the readings' lattice: the smallest common difference; zero if the differences are not its multiples.
 pub fn lattice(differences: &mut [f64]) -> f64 {
@@ -26,7 +26,7 @@ pub fn of_changes(readings: &[f64], nothing: f64) -> f64 {
 pub fn of_bends(readings: &[f64], nothing: f64) -> f64 {
     /// Bends of a steady move: at its start and its end, each between two rows.
     const OF_EVEN_MOVE: usize = 4;
-    let mut bends: Vec<f64> = bends(readings).filter(|bend| *bend > nothing).collect();
+    let mut bends: Vec<f64> = second_differences(readings).filter(|bend| *bend > nothing).collect();
     let changes: Vec<f64> = readings.windows(2).map(|w| w[1] - w[0]).collect();
     let (lowest, highest) = extremes(readings);
     let far = 0.1 * (highest - lowest);

@@ -10,7 +10,7 @@ use crate::policy::KNOWN_TO;
 use crate::record::lattice::lattice;
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase, Segment};
-use records::{bends, noise_of_bends};
+use records::{noise_of_second_differences, second_differences};
 
 /// Coloured noise: an Ornstein–Uhlenbeck process.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -249,12 +249,14 @@ fn windows<'q, 'a>(records: &'q [Quiet<'a>], least: usize) -> Vec<(&'q Quiet<'a>
 /// variance is 1 + 16 + 36 + 16 + 1 times that of the readings.
 fn from_bends(records: &[Quiet<'_>]) -> f64 {
     let parts = |moves: bool| records.iter().flat_map(move |quiet| quiet.parts(moves));
-    let quiet: Vec<f64> = parts(false).flat_map(|part| bends(&part).collect::<Vec<f64>>()).collect();
+    let quiet: Vec<f64> = parts(false).flat_map(|part| second_differences(&part).collect::<Vec<f64>>()).collect();
     if !quiet.is_empty() {
-        return noise_of_bends(quiet);
+        return noise_of_second_differences(quiet);
     }
     let fourth = |x: &[f64]| (x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]).abs() * (6.0f64 / 70.0).sqrt();
-    noise_of_bends(parts(true).flat_map(|part| part.windows(5).map(fourth).collect::<Vec<f64>>()).collect())
+    noise_of_second_differences(
+        parts(true).flat_map(|part| part.windows(5).map(fourth).collect::<Vec<f64>>()).collect(),
+    )
 }
 
 /// Degrees of freedom of all windows, each about a polynomial with this number of coefficients.

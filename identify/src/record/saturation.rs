@@ -11,7 +11,7 @@ use crate::record::lattice;
 use crate::record::readout::Readout;
 use crate::record::scatter::scatter;
 use crate::record::stroke::{Motion, Phase};
-use records::{LineNumbers, Trace, extremes, turned_back};
+use records::{LineNumbers, Trace, extremes, reversal_fraction};
 use std::ops::Range;
 use std::path::Path;
 
@@ -76,7 +76,7 @@ fn is_saturated(
     let is_beside = |row: &usize| !(first..=last).contains(row);
     let beside: Vec<f64> = rows.iter().filter(|row| is_beside(row)).map(|&row| pressure_pa[row]).collect();
     let step_pa = lattice::of_changes(&beside, 1e-9);
-    let noisy = !readings_stick(&beside, step_pa) && turned_back(readings.iter().copied()) > TURNED_BACK;
+    let noisy = !readings_stick(&beside, step_pa) && reversal_fraction(readings.iter().copied()) > TURNED_BACK;
     let way = |rows: Range<usize>| {
         let (low, high) = extremes(&trace.position_m[rows]);
         high - low
@@ -160,9 +160,9 @@ mod tests {
         let mut random = Random::new(33);
         let relaxing = |i: usize| if i < 100 { 1e5 } else { 1e5 + 2e5 * (-((i - 100) as f64) / 60.0).exp() };
         let noisy: Vec<f64> = rows.iter().map(|&i| relaxing(i) + 50.0 * random.normal()).collect();
-        assert!(turned_back(noisy) > 3.0 * TURNED_BACK);
+        assert!(reversal_fraction(noisy) > 3.0 * TURNED_BACK);
         let smooth: Vec<f64> = rows.iter().map(|&i| (relaxing(i) * 1e4).round() * 1e-4).collect();
-        assert!(turned_back(smooth) < 0.2 * TURNED_BACK);
+        assert!(reversal_fraction(smooth) < 0.2 * TURNED_BACK);
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl<'a> TrueStroke<'a> {
     /// The stroke at a time on a stretch.
     #[inline]
     pub fn at(&self, stretch: usize, time: f64) -> Moment {
-        if let Some(spline) = unaveraged::standing_at(&self.unaveraged, &self.near.unaveraged, time) {
+        if let Some(spline) = unaveraged::containing(&self.unaveraged, &self.near.unaveraged, time) {
             let unaveraged::At { derivatives, by_window } = spline.at(time);
             return self.before_filter(derivatives, by_window);
         }

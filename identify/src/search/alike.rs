@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_surface_of_the_dead_volume_has_no_more_evidence_than_a_columns_length_because_the_gas_is_off() {
-        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(GasColumnLength::PLACE, 1.0);
+        let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(GasColumnLength::INDEX, 1.0);
         recipe.faults.stated.heat_capacity_ratio_times = 0.999;
         let mut search = Search::after_first_fit(&recipe);
         let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| {

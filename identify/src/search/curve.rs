@@ -107,7 +107,7 @@ fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
 impl ReadOff {
     /// The refitted curve.
     pub fn curve(&self) -> Option<Curve> {
-        curve_of(Empirical::PLACE, &self.candidate.fit.chamber())
+        curve_of(Empirical::INDEX, &self.candidate.fit.chamber())
     }
 }
 
@@ -253,7 +253,7 @@ impl Search {
     /// Fits a model roughly with this curve beside all else, starting from zero.
     fn refitted_with(&self, part: &Candidate, curve: &Curve) -> Option<Fit> {
         let mut from = part.fit.clone();
-        from.hypothesis.base.effects.of_mut(Empirical::PLACE).copy_from_slice(&curve.parameters());
+        from.hypothesis.base.effects.of_mut(Empirical::INDEX).copy_from_slice(&curve.parameters());
         let effects = part.model.effects.union(Empirical::SET);
         let model = Model { effects, ..part.model };
         fit_by_size(&self.data, model, &from, &self.sizes, Until::ROUGHLY)

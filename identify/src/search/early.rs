@@ -73,7 +73,7 @@ mod tests {
         let Model { effects, own, .. } = found.chosen.model;
         assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
         let fit = &found.chosen.fit;
-        let delay = RecordDelay::PLACE;
+        let delay = RecordDelay::INDEX;
         assert_eq!(fit.chamber_of_rig().effects.of(delay), [0.0], "the model as it is written");
         for own in &fit.own {
             let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();

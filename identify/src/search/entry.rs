@@ -183,7 +183,7 @@ mod tests {
     /// A search after its first fit, and a set with gas zones with nearly all gas in the core, much better than the rest.
     fn search_with_exhausted_zones() -> (Search, Candidate) {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
-        recipe.chamber.effects.of_mut(NaturalConvection::PLACE)[0] = 0.4;
+        recipe.chamber.effects.of_mut(NaturalConvection::INDEX)[0] = 0.4;
         let search = Search::after_first_fit(&recipe);
         assert!(!search.baseline_adequacy.is_adequate());
         let model = Model::with(GasZones::SET);

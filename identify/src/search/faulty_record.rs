@@ -122,7 +122,7 @@ mod tests {
     fn an_effect_beside_a_fault_has_its_name_and_improves_only() {
         let (out, found) = found_of(&with_a_fault(&recipe(0.4), |t, p| *p += if t > 1.5 { 5e3 } else { 0.0 }));
         assert_eq!((out, found.verdict), (vec![1], Verdict::Improved));
-        assert_eq!(found.reported().model.of_rig(), EffectSet::one(NaturalConvection::PLACE));
+        assert_eq!(found.reported().model.of_rig(), EffectSet::one(NaturalConvection::INDEX));
     }
 
     #[test]

@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
-        let (leakage, drift) = (Leakage::PLACE, SensorDrift::PLACE);
+        let (leakage, drift) = (Leakage::INDEX, SensorDrift::INDEX);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);
         let mut search = Search::after_first_fit(&recipe);

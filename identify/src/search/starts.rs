@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_larger_set_does_not_keep_a_secondary_number_that_only_its_part_needed() {
-        let (leakage, zones) = (Leakage::PLACE, GasZones::PLACE);
+        let (leakage, zones) = (Leakage::INDEX, GasZones::INDEX);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[0] = 2e-11;
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();

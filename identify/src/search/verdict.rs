@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
         let mut recipe = Recipe::from_seed(5);
-        recipe.chamber.effects.of_mut(Leakage::PLACE)[0] = 2e-11;
+        recipe.chamber.effects.of_mut(Leakage::INDEX)[0] = 2e-11;
         let mut search = Search::after_first_fit(&recipe);
         search.first_round();
         assert!(search.carries_over());

@@ -455,7 +455,7 @@ impl Recipe {
             gas_temperature_k: None,
             mass_flow_kg_per_s: None,
             lines: LineNumbers::default(),
-            left_out: Vec::new(),
+            dropped_rows: Vec::new(),
             sorted: false,
             time_s,
         }

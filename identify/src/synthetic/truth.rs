@@ -52,7 +52,7 @@ impl Truth<'_> {
         let set = self.chamber.active().without(effects::of_sensor());
         let start_k = self.chamber.effects.rest_temperature(self.ambient_k) + self.start_warmer_k;
         let mut state = balance::state_at(self.chamber, &self.boundary(0.0, 0.0), pressure, start_k);
-        state[OWN + effects::STATE_OFFSETS[WallHeating::PLACE]] += self.start_wall_warmer_k;
+        state[OWN + effects::STATE_OFFSETS[WallHeating::INDEX]] += self.start_wall_warmer_k;
         let steps = (times.last().copied().unwrap_or(0.0) / STEP_S).ceil() as usize + 2;
         let mut sensor = Sensor {
             lag: self.parameter("sensor_lag"),

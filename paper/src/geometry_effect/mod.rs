@@ -38,13 +38,15 @@ pub struct Outcome {
     /// Root mean square of predicted over measured τ, minus 1.
     pub rms_fitted: f64,
     /// The same for each actuator's tests, predicted from the other two actuators; `null` if those do not determine the form.
-    pub rms_left_out: Option<f64>,
+    #[serde(rename = "rms_left_out")]
+    pub rms_held_out: Option<f64>,
     /// The fitted values with their units.
     pub values: Vec<Value>,
     /// Predicted τ, s, in the points' order.
     pub time_constants_s: Vec<f64>,
     /// The same, each actuator predicted from the other two, s.
-    pub time_constants_left_out_s: Option<Vec<f64>>,
+    #[serde(rename = "time_constants_left_out_s")]
+    pub time_constants_held_out_s: Option<Vec<f64>>,
 }
 
 /// The results for the six points.
@@ -99,8 +101,8 @@ impl GeometryEffect {
     }
 
     /// The outcome with the smallest left-out error.
-    pub fn best_left_out(&self) -> Option<&Outcome> {
-        let error = |o: &&Outcome| o.rms_left_out.unwrap_or(f64::INFINITY);
+    pub fn best_held_out(&self) -> Option<&Outcome> {
+        let error = |o: &&Outcome| o.rms_held_out.unwrap_or(f64::INFINITY);
         self.outcomes.iter().min_by(|a, b| error(a).total_cmp(&error(b)))
     }
 }
@@ -147,8 +149,8 @@ fn ln_powers(powers: Powers, p: &Point) -> f64 {
 /// Logarithm of a form's factors that are not linear in the fitted parameters.
 fn ln_base(form: &Form, p: &Point, faces_ratio: f64) -> f64 {
     let faces = core::f64::consts::PI * p.bore_m * p.bore_m / 2.0;
-    let share = if form.faces { 1.0 + (faces_ratio - 1.0) * faces / p.area_m2 } else { 1.0 };
-    ln_powers(form.fixed, p) + share.ln()
+    let ratio = if form.faces { 1.0 + (faces_ratio - 1.0) * faces / p.area_m2 } else { 1.0 };
+    ln_powers(form.fixed, p) + ratio.ln()
 }
 
 /// Least squares of ln λ, equivalent to that of ln τ; `None` if the points do not determine the form.
@@ -202,7 +204,7 @@ fn fit_linear(form: &Form, points: &[&Point], faces_ratio: f64) -> Option<(Fitte
 }
 
 /// τ of each point, s, with its actuator predicted from the others.
-fn left_out(form: &Form, points: &[Point]) -> Option<Vec<f64>> {
+fn held_out(form: &Form, points: &[Point]) -> Option<Vec<f64>> {
     points
         .iter()
         .map(|p| {
@@ -233,16 +235,16 @@ fn outcome(form: &Form, points: &[Point]) -> Outcome {
             values.push(Value { name: "w".to_owned(), value: f.faces_ratio });
         }
     }
-    let time_constants_left_out_s = left_out(form, points);
+    let time_constants_held_out_s = held_out(form, points);
     Outcome {
         name: form.name.to_owned(),
         equation: form.equation.to_owned(),
         parameters: values.len(),
         rms_fitted: predicted.as_ref().map_or(f64::NAN, |p| rms(p, points)),
-        rms_left_out: time_constants_left_out_s.as_ref().map(|p| rms(p, points)),
+        rms_held_out: time_constants_held_out_s.as_ref().map(|p| rms(p, points)),
         values,
         time_constants_s: predicted.unwrap_or_default(),
-        time_constants_left_out_s,
+        time_constants_held_out_s,
     }
 }
 
@@ -253,7 +255,7 @@ fn choose_blind(points: &[Point]) -> (f64, Vec<(String, String)>) {
     for actuator in actuators(points) {
         let others: Vec<Point> = points.iter().filter(|p| p.actuator != actuator).cloned().collect();
         let others_ref: Vec<&Point> = others.iter().collect();
-        let inner = |form: &Form| left_out(form, &others).map(|t| rms(&t, &others));
+        let inner = |form: &Form| held_out(form, &others).map(|t| rms(&t, &others));
         let candidates = FORMS.iter().filter_map(|form| {
             let fitted = fit(form, &others_ref)?;
             points.iter().filter(|p| p.actuator == actuator).all(|p| fitted.time_constant(p).is_some()).then_some(())?;
@@ -279,11 +281,11 @@ mod tests {
         examine(&measured::reproduce().unwrap())
     }
 
-    fn assert_near(effect: &GeometryEffect, name: &str, fitted: f64, left_out: f64) {
+    fn assert_near(effect: &GeometryEffect, name: &str, fitted: f64, held_out: f64) {
         let o = effect.outcome(name).unwrap();
         assert!((o.rms_fitted / fitted - 1.0).abs() < 0.02, "{name}: {} {fitted}", o.rms_fitted);
-        let out = o.rms_left_out.unwrap();
-        assert!((out / left_out - 1.0).abs() < 0.02, "{name}: {out} {left_out}");
+        let out = o.rms_held_out.unwrap();
+        assert!((out / held_out - 1.0).abs() < 0.02, "{name}: {out} {held_out}");
     }
 
     #[test]
@@ -309,11 +311,11 @@ mod tests {
     }
 
     #[test]
-    fn a_form_that_two_actuators_cannot_determine_has_no_left_out_error() {
+    fn a_form_that_two_actuators_cannot_determine_has_no_held_out_error() {
         // B and C share a bore, so a bore exponent does not follow from them alone.
         let e = effect();
-        assert!(e.outcome("bore").unwrap().rms_left_out.is_none());
-        assert!(e.outcome("own lambda0 for each actuator").unwrap().rms_left_out.is_none());
+        assert!(e.outcome("bore").unwrap().rms_held_out.is_none());
+        assert!(e.outcome("own lambda0 for each actuator").unwrap().rms_held_out.is_none());
     }
 
     #[test]
@@ -326,7 +328,7 @@ mod tests {
         }
         let form = FORMS.iter().find(|f| f.name == "column length, free pressure exponent").unwrap();
         let o = outcome(form, &points);
-        assert!(o.rms_fitted < 1e-12 && o.rms_left_out.unwrap() < 1e-10);
+        assert!(o.rms_fitted < 1e-12 && o.rms_held_out.unwrap() < 1e-10);
         assert!((o.values[0].value - 30.0).abs() < 1e-9 && (o.values[2].value + 0.7).abs() < 1e-10);
     }
 
@@ -334,6 +336,6 @@ mod tests {
     fn choosing_the_form_without_the_predicted_actuator_costs_accuracy() {
         let e = effect();
         assert_eq!(e.chosen_blind.len(), 3);
-        assert!(e.rms_chosen_blind >= e.best_left_out().unwrap().rms_left_out.unwrap());
+        assert!(e.rms_chosen_blind >= e.best_held_out().unwrap().rms_held_out.unwrap());
     }
 }

@@ -38,7 +38,7 @@ pub enum Error {
         message: String,
     },
     /// Something is wrong with a key of a TOML file.
-    #[error("{}: {}{key}: {problem}", path.display(), place(*line))]
+    #[error("{}: {}{key}: {problem}", path.display(), line_prefix(*line))]
     Key {
         path: PathBuf,
         /// The key's line, or that of the table it is missing from; counted from 1, 0 for content without a file.
@@ -61,6 +61,6 @@ impl Error {
     }
 }
 
-fn place(line: usize) -> String {
+fn line_prefix(line: usize) -> String {
     if line == 0 { String::new() } else { format!("line {line}: ") }
 }

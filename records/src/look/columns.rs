@@ -49,20 +49,20 @@ impl Guess {
                 Quantity::Position => &stated.position,
                 _ => &None,
             };
-            let free = |place: &usize| columns.iter().all(|column| column.place != *place);
-            let places: Vec<usize> = (0..described.len()).filter(free).collect();
-            let score = |place: usize| described[place].score(quantity);
-            let likely: Vec<usize> = places.iter().copied().filter(|place| score(*place) >= 2).collect();
+            let free = |index: &usize| columns.iter().all(|column| column.index != *index);
+            let indices: Vec<usize> = (0..described.len()).filter(free).collect();
+            let score = |index: usize| described[index].score(quantity);
+            let likely: Vec<usize> = indices.iter().copied().filter(|index| score(*index) >= 2).collect();
             // The first among equally likely ones.
-            let best = likely.iter().copied().rev().max_by_key(|place| score(*place));
-            let place = match named {
-                Some(name) => dialect.place(name).0,
+            let best = likely.iter().copied().rev().max_by_key(|index| score(*index));
+            let index = match named {
+                Some(name) => dialect.find_column(name).0,
                 None => best,
             };
-            let Some(place) = place else { continue };
-            let rest = likely.iter().filter(|other| **other != place && score(**other) >= 3);
+            let Some(index) = index else { continue };
+            let rest = likely.iter().filter(|other| **other != index && score(**other) >= 3);
             others.extend(rest.map(|other| (quantity, dialect.names[*other].clone())));
-            columns.push(described[place].guessed(quantity, dialect, sample));
+            columns.push(described[index].guessed(quantity, dialect, sample));
         }
         // A column assigned to its own quantity is no alternative for another.
         others.retain(|(_, name)| columns.iter().all(|column| column.name != *name));
@@ -139,7 +139,7 @@ impl Guess {
     pub fn learns_from_record(&mut self, trace: &Trace) -> bool {
         let is_gauge = |row: &RowProblem| matches!(*row, RowProblem::NotAbsolute { value, .. } if can_be_gauge(value));
         let pressure = trace.pressure_pa.as_deref().unwrap_or_default();
-        let below = trace.left_out.iter().filter(|row| is_gauge(&row.reason)).count();
+        let below = trace.dropped_rows.iter().filter(|row| is_gauge(&row.reason)).count();
         // At ambient pressure a gauge sensor reads just above zero as often as below; a sensor that drops out does not.
         let just_above = pressure.iter().filter(|pressure| **pressure < NEAR_PA).count();
         let gauge = below > 0 && just_above >= below && self.takes_for_gauge();

@@ -10,7 +10,7 @@ pub struct Guessed {
     /// What it holds.
     pub quantity: Quantity,
     /// Its index, from 0.
-    pub place: usize,
+    pub index: usize,
     /// Its name, or its number where the name is not unique.
     pub name: String,
     /// Unit stated in its name or in the units line, or taken from its values.
@@ -62,7 +62,7 @@ impl Reference {
 
 /// A column's name and first values.
 pub struct Described {
-    place: usize,
+    index: usize,
     name: String,
     /// Words of the name without its unit, in lower case.
     words: Vec<String>,
@@ -73,17 +73,17 @@ pub struct Described {
 
 impl Described {
     /// Describes the column at an index.
-    pub fn of(dialect: &Dialect, sample: &Sample, place: usize) -> Self {
-        let name = dialect.names[place].clone();
-        let line = dialect.units.as_ref().and_then(|(_, units)| units.get(place)).filter(|unit| !unit.is_empty());
+    pub fn of(dialect: &Dialect, sample: &Sample, index: usize) -> Self {
+        let name = dialect.names[index].clone();
+        let line = dialect.units.as_ref().and_then(|(_, units)| units.get(index)).filter(|unit| !unit.is_empty());
         let (stem, own) = name_and_unit(&name);
-        let behind = own.and_then(|unit| name[stem.len()..].split_once(unit)).map_or("", |(_, behind)| behind);
+        let suffix = own.and_then(|unit| name[stem.len()..].split_once(unit)).map_or("", |(_, suffix)| suffix);
         Self {
-            place,
-            words: words(&format!("{stem} {behind}")),
+            index,
+            words: words(&format!("{stem} {suffix}")),
             unit: line.cloned().or(own.map(str::to_owned)),
-            moments: sample.moments.get(place).is_some_and(|moments| *moments),
-            numbers: sample.numbers.get(place).is_some_and(|numbers| !numbers.is_empty()),
+            moments: sample.moments.get(index).is_some_and(|moments| *moments),
+            numbers: sample.numbers.get(index).is_some_and(|numbers| !numbers.is_empty()),
             name,
         }
     }
@@ -164,15 +164,15 @@ impl Described {
             let open = self.name.rfind(['[', '(', '<'])?;
             self.name[open + 1..].split([']', ')', '>']).next()
         };
-        let said = self.unit.as_deref().or_else(in_brackets)?.trim();
-        let is_unit = !said.is_empty() && !NO_UNITS.contains(&said.to_lowercase().as_str());
-        is_unit.then(|| said.to_owned())
+        let text = self.unit.as_deref().or_else(in_brackets)?.trim();
+        let is_unit = !text.is_empty() && !NO_UNITS.contains(&text.to_lowercase().as_str());
+        is_unit.then(|| text.to_owned())
     }
 
     /// The column as one of this quantity.
     pub fn guessed(&self, quantity: Quantity, dialect: &Dialect, sample: &Sample) -> Guessed {
         let stated = self.unit.as_deref().and_then(|unit| quantity.unit_spelled(unit));
-        let by_value = || unit_of_values(quantity, sample.numbers.get(self.place).map_or(&[], Vec::as_slice));
+        let by_value = || unit_of_values(quantity, sample.numbers.get(self.index).map_or(&[], Vec::as_slice));
         let clock = || quantity.units().iter().find(|unit| self.moments && unit.name == CLOCK);
         let default = || (self.name == quantity.default_name()).then(|| &quantity.units()[0]);
         let known = clock().or(stated).or_else(default);
@@ -192,8 +192,8 @@ impl Described {
         };
         Guessed {
             quantity,
-            place: self.place,
-            name: if own_name { self.name.clone() } else { format!("column {}", self.place + 1) },
+            index: self.index,
+            name: if own_name { self.name.clone() } else { format!("column {}", self.index + 1) },
             unit: known.unwrap_or_else(by_value),
             unit_guessed: known.is_none(),
             unknown_unit: if known.is_none() { self.unknown_unit() } else { None },
@@ -233,7 +233,7 @@ fn unit_of_values(quantity: Quantity, values: &[f64]) -> &'static Unit {
 fn size(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    sizes.len().checked_sub(1 + sizes.len() / 20).map_or(0.0, |place| sizes[place])
+    sizes.len().checked_sub(1 + sizes.len() / 20).map_or(0.0, |index| sizes[index])
 }
 
 fn are_excel_days(values: &[f64]) -> bool {

@@ -29,7 +29,7 @@ pub use crate::trace::Dialect;
 /// Refuses a missing column that the user named.
 fn check(path: &Path, dialect: &Dialect, names: &Names) -> Result<(), Error> {
     for name in [&names.time, &names.pressure, &names.position].into_iter().flatten() {
-        if dialect.place(name).0.is_none() {
+        if dialect.find_column(name).0.is_none() {
             let mut problem = trace::missing_column(name, dialect, false);
             if let TraceProblem::MissingColumn { hint, .. } = &mut problem {
                 let near = nearest(name, dialect.names.iter().map(String::as_str));

@@ -170,11 +170,11 @@ fn closed_until([time_s, pressure_pa]: [&[f64]; 2], readings: &Readings, hold: R
     let rate = |row: usize| (pressure_pa[row + 1] - pressure_pa[row]).abs();
     let middle = hold.start + hold.len() / 2;
     let fastest = (hold.start..middle).map(rate).fold(0.0, f64::max);
-    let jump = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
+    let fast_change = (middle..hold.end - 1).find(|row| rate(*row) > 2.0 * fastest);
     let (rows, [times_s, held_pa]) = read_out([time_s, pressure_pa], readings, hold.clone());
     let opened = opened_from(&times_s, &held_pa, readings.deviation_pa()).map(|first| rows[first]);
-    // The last rows before a move or a jump may already belong to it.
-    let until = jump.into_iter().chain(opened).min().unwrap_or(hold.end);
+    // The last rows before a move or a fast change may already belong to it.
+    let until = fast_change.into_iter().chain(opened).min().unwrap_or(hold.end);
     until.saturating_sub(2).max(hold.start + 1)
 }
 

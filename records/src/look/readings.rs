@@ -1,15 +1,15 @@
 //! Sampling of a record: rate, gaps, resolution, and the sensor's actual readout rate.
 
-use crate::statistics::{bends, median, white_noise};
+use crate::statistics::{median, second_differences, white_noise};
 use std::ops::Range;
 
 /// The readout is slower than the rows if this fraction of the changes falls on every k-th row ...
-const SHARE: f64 = 0.95;
+const MIN_ALIGNED_FRACTION: f64 = 0.95;
 /// ... and there are at least this many changes.
-const CHANGES: usize = 20;
-/// Largest fraction of rows with a bend for readings interpolated between readouts: half where every second row is a readout;
-/// with noise nearly all rows bend.
-const MOST_KINKS: f64 = 0.6;
+const MIN_CHANGES: usize = 20;
+/// Largest fraction of rows with a kink for readings interpolated between readouts: half where every second row is a readout;
+/// with noise nearly all rows have one.
+const MAX_KINKED_FRACTION: f64 = 0.6;
 /// Slowest readout searched for, rows.
 const MOST_ROWS: usize = 100;
 /// Number of rows used to find the resolution.
@@ -76,17 +76,18 @@ struct Readout {
 impl Readout {
     const EACH_ROW: Self = Self { every: 1, first: 0 };
 
-    /// Finds the readout rows: those where the pressure changes (held in between) or bends (interpolated).
+    /// Finds the readout rows: those where the pressure changes (held in between) or has a kink (interpolated).
     fn of(pressure: &[f64]) -> Self {
         let changes = (1..pressure.len()).filter(|&i| pressure[i] != pressure[i - 1]).collect::<Vec<_>>();
-        let bends: Vec<f64> = bends(pressure).collect();
+        let differences: Vec<f64> = second_differences(pressure).collect();
         let interpolated = || {
-            // Straight lines between readings bend only by rounding: far less than the noise of the readings.
-            let mut sorted = bends.clone();
+            // Only rounding bends the straight lines between readings: far less than the noise of the readings.
+            let mut sorted = differences.clone();
             sorted.sort_by(f64::total_cmp);
             let typical = *sorted.get(sorted.len() * 97 / 100)?;
-            let kinks: Vec<usize> = (0..bends.len()).filter(|&i| bends[i] > 0.1 * typical).map(|i| i + 1).collect();
-            if kinks.len() as f64 > MOST_KINKS * bends.len() as f64 { None } else { period(&kinks) }
+            let kinks: Vec<usize> =
+                (0..differences.len()).filter(|&i| differences[i] > 0.1 * typical).map(|i| i + 1).collect();
+            if kinks.len() as f64 > MAX_KINKED_FRACTION * differences.len() as f64 { None } else { period(&kinks) }
         };
         period(&changes).or_else(interpolated).unwrap_or(Self::EACH_ROW)
     }
@@ -125,13 +126,13 @@ fn step(values: &[f64]) -> Option<f64> {
 
 /// The largest k from 2 on for which nearly all indices have the same remainder.
 fn period(indices: &[usize]) -> Option<Readout> {
-    if indices.len() < CHANGES {
+    if indices.len() < MIN_CHANGES {
         return None;
     }
     (2..=MOST_ROWS).rev().find_map(|every| {
         let mut counts = vec![0_usize; every];
         indices.iter().for_each(|index| counts[index % every] += 1);
-        let first = counts.iter().position(|count| *count as f64 >= SHARE * indices.len() as f64)?;
+        let first = counts.iter().position(|count| *count as f64 >= MIN_ALIGNED_FRACTION * indices.len() as f64)?;
         Some(Readout { every, first })
     })
 }

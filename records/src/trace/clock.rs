@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_moment_is_not_taken_for_one() {
+    fn text_that_is_no_moment_is_not_read_as_one() {
         for text in ["", "1.5", "Time", "12:34", "12:60.5", "123:04.5", "a:b:c", "25:00:00", "2026-13-01 00:00:00"] {
             assert!(!is_moment(text), "{text}");
         }

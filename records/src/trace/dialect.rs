@@ -93,11 +93,11 @@ impl Dialect {
     }
 
     /// Index of the column with that name, or of `column 3`, and of the second one if two have it.
-    pub fn place(&self, name: &str) -> (Option<usize>, Option<usize>) {
+    pub fn find_column(&self, name: &str) -> (Option<usize>, Option<usize>) {
         // A `#` before the header is not part of the first name, whether or not the rig file writes it.
         let wanted = name.trim_start_matches('#').trim();
-        let mut places = self.names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(place, _)| place);
-        match (places.next(), places.next()) {
+        let mut indices = self.names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(index, _)| index);
+        match (indices.next(), indices.next()) {
             (None, _) => {
                 let number = wanted.strip_prefix("column ").and_then(|number| number.parse::<usize>().ok());
                 (number.filter(|k| (1..=self.names.len()).contains(k)).map(|k| k - 1), None)
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn a_file_that_begins_with_numbers_has_numbered_columns() {
         assert_found("0 1 2\n1 1 2\n", "whitespace", Decimal::Point, None, 1, &["column 1", "column 2", "column 3"]);
-        assert_eq!(find("a b\n0 1\n1 1\n", &[]).place("column 2"), (Some(1), None));
+        assert_eq!(find("a b\n0 1\n1 1\n", &[]).find_column("column 2"), (Some(1), None));
     }
 
     #[test]
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wanted_names_are_the_header_wherever_it_stands() {
+    fn the_wanted_names_identify_the_header_in_any_line() {
         let text = "a,b,c\nt,p,x\nseconds passed,pressure seen,way\n0,1,2\n1,1,2\n";
         let found = find(text, &["t", "x"]);
         assert_eq!((found.header, found.first_row), (Some(2), 4));

@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn days_are_told_from_seconds_of_a_day() {
+    fn days_are_distinguished_from_seconds_of_a_day() {
         // Ten seconds at 100 Hz; an hour at 1 Hz.
         assert!(are_days(45_000.5, 45_000.5 + 10.0 / 86_400.0, 1001));
         assert!(are_days(45_000.5, 45_000.5 + 3600.0 / 86_400.0, 3601));

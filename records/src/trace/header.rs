@@ -23,14 +23,14 @@ impl<'a> Header<'a> {
         let mut found = Vec::new();
         for quantity in Quantity::ALL {
             let column = reading.layout.column(quantity);
-            match dialect.place(&column.name) {
+            match dialect.find_column(&column.name) {
                 (_, Some(second)) => {
                     let second = second + 1;
                     return Err(TraceProblem::DoubleColumn { line, column: column.name.clone(), second });
                 }
-                (Some(place), None) => {
-                    check_unit(dialect, quantity, place, column)?;
-                    found.push((quantity, place, column));
+                (Some(field), None) => {
+                    check_unit(dialect, quantity, field, column)?;
+                    found.push((quantity, field, column));
                 }
                 (None, _) if needed(quantity, column, reading.need) => {
                     return Err(missing_column(&column.name, dialect, reading.layout.format.separator.is_some()));
@@ -42,7 +42,7 @@ impl<'a> Header<'a> {
     }
 
     /// Index of a quantity among the found columns.
-    pub fn place(&self, quantity: Quantity) -> Option<usize> {
+    pub fn index_of(&self, quantity: Quantity) -> Option<usize> {
         self.found.iter().position(|(found, _, _)| *found == quantity)
     }
 }
@@ -58,9 +58,9 @@ fn needed(quantity: Quantity, column: &Column, need: Need) -> bool {
 /// Refuses a units line, or a unit in the column's name, that contradicts the layout: one in brackets (`p (psi)`), or one at the
 /// name's end (`p_psi`) where the rig file states none. Exempt are a voltage, which may be scaled to any unit, a clock, which has
 /// none, and a scale that converts between the units.
-fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Column) -> Result<(), TraceProblem> {
-    let Some(said) = Said::of(dialect, quantity, place, column) else { return Ok(()) };
-    let Said { line, spelling, unit, in_name } = said;
+fn check_unit(dialect: &Dialect, quantity: Quantity, field: usize, column: &Column) -> Result<(), TraceProblem> {
+    let Some(stated_unit) = StatedUnit::of(dialect, quantity, field, column) else { return Ok(()) };
+    let StatedUnit { line, spelling, unit, in_name } = stated_unit;
     let name = || column.name.clone();
     let stated = quantity.units().iter().find(|unit| unit.name == column.unit);
     if unit.name == VOLT && column.unit != VOLT && !column.stated.scale {
@@ -74,7 +74,7 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
     if unit.name != column.unit && !is_scaled_to_it {
         let (found, expected) = (unit.name, column.unit);
         return Err(match in_name {
-            true => TraceProblem::UnitInName { line, column: name(), number: place + 1, found, expected },
+            true => TraceProblem::UnitInName { line, column: name(), number: field + 1, found, expected },
             false => TraceProblem::OtherUnit { line, column: name(), found, expected },
         });
     }
@@ -90,7 +90,7 @@ fn check_unit(dialect: &Dialect, quantity: Quantity, place: usize, column: &Colu
 }
 
 /// The unit of a column according to the file itself.
-struct Said<'d> {
+struct StatedUnit<'d> {
     /// The line that states it.
     line: usize,
     /// Its spelling there.
@@ -100,16 +100,16 @@ struct Said<'d> {
     in_name: bool,
 }
 
-impl<'d> Said<'d> {
+impl<'d> StatedUnit<'d> {
     /// From the units line or, if that states nothing, from the column's name.
-    fn of(dialect: &'d Dialect, quantity: Quantity, place: usize, column: &Column) -> Option<Self> {
+    fn of(dialect: &'d Dialect, quantity: Quantity, field: usize, column: &Column) -> Option<Self> {
         let of = |line, spelling, in_name| {
             let unit = quantity.unit_spelled(spelling)?;
             Some(Self { line, spelling, unit, in_name })
         };
-        let by_line = dialect.units.as_ref().and_then(|(line, units)| of(*line, units.get(place)?.as_str(), false));
+        let by_line = dialect.units.as_ref().and_then(|(line, units)| of(*line, units.get(field)?.as_str(), false));
         by_line.or_else(|| {
-            let name = dialect.names.get(place).filter(|name| **name == column.name.trim_start_matches('#').trim())?;
+            let name = dialect.names.get(field).filter(|name| **name == column.name.trim_start_matches('#').trim())?;
             of(dialect.header?, sure_unit(name, column.stated.unit)?, true)
         })
     }

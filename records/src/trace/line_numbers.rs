@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_keep_their_lines_where_others_are_left_out() {
+    fn rows_keep_their_line_numbers_where_others_are_dropped() {
         let mut lines: LineNumbers = [2, 3, 5, 6].into_iter().collect();
         assert_eq!(lines.of(2), Some(5));
         lines.retain(&[true, false, true, true]);

@@ -50,12 +50,12 @@ fn odd_rows(times: &[f64]) -> Vec<usize> {
     let mut ends: Vec<usize> = Vec::new();
     let mut before = vec![usize::MAX; times.len()];
     for (row, time) in times.iter().enumerate() {
-        let place = ends.partition_point(|end| times[*end] < *time);
-        if place > 0 {
-            before[row] = ends[place - 1];
+        let length = ends.partition_point(|end| times[*end] < *time);
+        if length > 0 {
+            before[row] = ends[length - 1];
         }
         // Of two rows with the same time, the first is kept.
-        match ends.get_mut(place) {
+        match ends.get_mut(length) {
             Some(end) if times[*end] == *time => {}
             Some(end) => *end = row,
             None => ends.push(row),
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_in_another_order_are_sorted_but_a_clock_that_starts_again_is_told() {
+    fn runs_in_another_order_are_sorted_but_a_clock_that_restarts_is_reported() {
         assert_eq!(of(&[4.0, 5.0, 6.0, 7.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Sorted(vec![4, 5, 6, 7, 0, 1, 2, 3]));
         assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0], 0), Order::Restarts(4));
         assert_eq!(of(&[0.0, 1.0, 2.0, 3.0, 0.5, 1.5, 2.5, 3.5], 0), Order::Restarts(4));

@@ -37,7 +37,7 @@ impl Trace {
             let table = read_rows(lines, &dialect, &header, reading)?;
             no_excel_days(&header, &table.columns[0])?;
             let mut columns = table.columns.into_iter();
-            let mut next = |quantity| header.place(quantity).map(|_| columns.next().unwrap_or_default());
+            let mut next = |quantity| header.index_of(quantity).map(|_| columns.next().unwrap_or_default());
             Ok(Trace {
                 path: path.to_owned(),
                 sha256: lines.sha256(),
@@ -48,7 +48,7 @@ impl Trace {
                 gas_temperature_k: next(Quantity::GasTemperature),
                 mass_flow_kg_per_s: next(Quantity::MassFlow),
                 lines: table.lines,
-                left_out: table.left_out,
+                dropped_rows: table.dropped_rows,
                 sorted: table.sorted,
             })
         })
@@ -96,7 +96,8 @@ fn with_cause(
     let TraceProblem::MissingColumn { column, .. } = &problem else { return Ok(problem) };
     let format = Format { decimal: None, ..layout.format.clone() };
     let free = Dialect::find(lines.head()?, &format, &[column]);
-    let is_cause = layout.format.decimal.is_some() && free.decimal != dialect.decimal && free.place(column).0.is_some();
+    let is_cause =
+        layout.format.decimal.is_some() && free.decimal != dialect.decimal && free.find_column(column).0.is_some();
     Ok(if is_cause { TraceProblem::OtherDecimal { line: free.first_row, found: free.decimal.name() } } else { problem })
 }
 

@@ -1,7 +1,7 @@
 //! A record after reading.
 
+use super::dropped_rows::{self, DroppedRow};
 use super::keep::keep_rows;
-use super::left_out::{self, LeftOut};
 use super::line_numbers::LineNumbers;
 use super::rest;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub struct Trace {
     /// Lines of the rows in the file.
     pub lines: LineNumbers,
     /// Unusable rows of the file, by line; at most one in fifty.
-    pub left_out: Vec<LeftOut>,
+    pub dropped_rows: Vec<DroppedRow>,
     /// Whether the file's rows had to be sorted by time.
     pub sorted: bool,
 }
@@ -46,7 +46,7 @@ impl Trace {
     pub fn notes(&self) -> Vec<String> {
         let sorted = self.sorted.then(|| "the rows are not in the order of time and were sorted".to_owned());
         let path = self.path.display();
-        sorted.into_iter().chain(left_out::sentence(&self.left_out)).map(|note| format!("{path}: {note}")).collect()
+        sorted.into_iter().chain(dropped_rows::note(&self.dropped_rows)).map(|note| format!("{path}: {note}")).collect()
     }
 
     /// Number of rows.

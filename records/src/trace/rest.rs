@@ -1,15 +1,15 @@
 //! Finds the rest before the first movement, separated from it by the position's own noise.
 
-use crate::statistics::{extremes, median, turned_back, white_noise};
+use crate::statistics::{extremes, median, reversal_fraction, white_noise};
 
 /// Movements below this fraction of the travel count as rest.
-const SHARE_OF_TRAVEL: f64 = 1e-3;
+const REST_FRACTION: f64 = 1e-3;
 /// Movement threshold in standard deviations of the position's noise.
 const DEVIATIONS: f64 = 6.0;
-/// Apparent noise above this fraction of the travel may be the bends of a motion with few rows: it is, ...
+/// Apparent noise above this fraction of the travel may be the curvature of a motion with few rows: it is, ...
 const MOST_NOISE: f64 = 0.005;
 /// ...if at most this fraction of the changes reverse the previous one. With noise two of three do.
-const TURNED_BACK: f64 = 0.35;
+const MAX_REVERSED_FRACTION: f64 = 0.35;
 
 /// Number of leading rows before the piston moves, at least 1.
 ///
@@ -21,8 +21,8 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
         return position_m.len();
     }
     let clear = position_m.iter().position(|x| (x - position_m[0]).abs() > 0.1 * travel).unwrap_or(position_m.len());
-    let place = median(position_m[..clear.div_ceil(2)].to_vec());
-    let moved = position_m.iter().position(|x| (x - place).abs() > threshold).unwrap_or(position_m.len());
+    let rest_m = median(position_m[..clear.div_ceil(2)].to_vec());
+    let moved = position_m.iter().position(|x| (x - rest_m).abs() > threshold).unwrap_or(position_m.len());
     // A piston that crosses the threshold within one row started in the row before.
     moved.saturating_sub(1).max(1)
 }
@@ -31,9 +31,10 @@ pub fn rows_at_rest(position_m: &[f64]) -> usize {
 pub fn movement_threshold(position_m: &[f64]) -> f64 {
     let travel = travel(position_m);
     let noise = white_noise(position_m);
-    let is_motion = noise > MOST_NOISE * travel && turned_back(position_m.iter().copied()) <= TURNED_BACK;
+    let is_motion =
+        noise > MOST_NOISE * travel && reversal_fraction(position_m.iter().copied()) <= MAX_REVERSED_FRACTION;
     let noise = if is_motion { 0.0 } else { noise };
-    (DEVIATIONS * noise).max(SHARE_OF_TRAVEL * travel)
+    (DEVIATIONS * noise).max(REST_FRACTION * travel)
 }
 
 fn travel(position_m: &[f64]) -> f64 {

@@ -2,10 +2,10 @@
 
 use super::clock::Clock;
 use super::dialect::Dialect;
+use super::dropped_rows::{BadRows, DroppedRow, ONE_IN};
 use super::fields::{self, is_no_reading, number};
 use super::header::Header;
 use super::keep::keep_rows;
-use super::left_out::{BadRows, LeftOut, ONE_IN};
 use super::line_numbers::LineNumbers;
 use super::order::{self, Order};
 use super::reading::{MAX_ROWS, Reading};
@@ -48,7 +48,7 @@ pub struct ReadRows {
     /// The lines of its rows in the file.
     pub lines: LineNumbers,
     /// The rows left out.
-    pub left_out: Vec<LeftOut>,
+    pub dropped_rows: Vec<DroppedRow>,
     /// Whether the rows had to be sorted.
     pub sorted: bool,
 }
@@ -100,22 +100,22 @@ impl<'a> Rows<'a> {
             let hint = if more_by_commas { "; are there decimal commas between the commas?" } else { "" };
             return Err(RowProblem::FieldCount { found, expected, hint });
         }
-        let field = |place: usize| fields.get(place).map_or("", |field| &text[field.clone()]);
+        let field = |index: usize| fields.get(index).map_or("", |field| &text[field.clone()]);
         let mut values = [0.0; 6];
-        for (value, &(quantity, place, column)) in values.iter_mut().zip(&self.header.found) {
+        for (value, &(quantity, index, column)) in values.iter_mut().zip(&self.header.found) {
             if quantity == Quantity::Time {
-                *value = time(&mut self.clock, column, field(place), self.dialect.decimal)?;
+                *value = time(&mut self.clock, column, field(index), self.dialect.decimal)?;
                 self.extent_s = [self.extent_s[0].min(*value), self.extent_s[1].max(*value)];
                 if *value < self.reading.window.from_s || *value > self.reading.window.to_s {
                     return Ok(None);
                 }
                 continue;
             }
-            if field(place).is_empty() {
+            if field(index).is_empty() {
                 *value = slow_column::EMPTY;
                 continue;
             }
-            *value = column.si(finite(column, field(place), self.dialect.decimal)?);
+            *value = column.si(finite(column, field(index), self.dialect.decimal)?);
             check(quantity, *value, column, self.reading.stroke_m)?;
         }
         Ok(Some(values))
@@ -170,14 +170,14 @@ impl<'a> Rows<'a> {
                 self.leave_out(problems);
             }
         }
-        Ok(ReadRows { left_out: self.bad.few_among(all)?, columns: self.columns, lines: self.lines, sorted })
+        Ok(ReadRows { dropped_rows: self.bad.few_among(all)?, columns: self.columns, lines: self.lines, sorted })
     }
 
     /// Fills columns with a value at every k-th row only; leaves out other rows with an empty cell.
     fn settle_empty_cells(&mut self) {
         self.columns.iter_mut().for_each(|column| slow_column::fill(column));
-        for place in 1..self.columns.len() {
-            let (column, values) = (self.header.found[place].2, &self.columns[place]);
+        for index in 1..self.columns.len() {
+            let (column, values) = (self.header.found[index].2, &self.columns[index]);
             let problem = |_| finite(column, "", self.dialect.decimal).err();
             let empty = (0..values.len()).filter(|row| values[*row].is_nan());
             let empty = empty.filter_map(|row| Some((row, problem(row)?))).collect();
@@ -187,8 +187,8 @@ impl<'a> Rows<'a> {
 
     /// Leaves out positions below zero, except for sensor noise at the end.
     fn leave_out_negative_positions(&mut self) {
-        let Some(place) = self.header.place(Quantity::Position) else { return };
-        let (column, values) = (self.header.found[place].2, &self.columns[place]);
+        let Some(index) = self.header.index_of(Quantity::Position) else { return };
+        let (column, values) = (self.header.found[index].2, &self.columns[index]);
         let (low, high) = extremes(values);
         let limit = -POSITION_SLACK * self.reading.stroke_m.unwrap_or(high - low);
         if low >= limit {

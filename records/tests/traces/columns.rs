@@ -28,6 +28,6 @@ fn a_column_named_twice_is_ambiguous() {
 }
 
 #[test]
-fn a_missing_header_is_told_from_a_missing_column() {
+fn a_missing_header_is_distinguished_from_a_missing_column() {
     assert_says(&Bench::new().refusal("0,1e5,0.1\n1,1e5,0.1\n"), &["line 1", "header line"]);
 }

@@ -14,7 +14,7 @@ fn files_without_a_record_are_refused() {
 }
 
 #[test]
-fn a_header_and_units_without_rows_are_told_as_such() {
+fn a_header_and_units_without_rows_are_reported_as_such() {
     let mapped = "[columns]\ntime = { name = \"Zeit\", unit = \"ms\" }\npressure = { name = \"Druck\", unit = \"bar\" }\n\
                   position = { name = \"Weg\", unit = \"mm\" }\n";
     let bench = Bench::with_rig(mapped);
@@ -25,7 +25,7 @@ fn a_header_and_units_without_rows_are_told_as_such() {
 }
 
 #[test]
-fn skipping_more_lines_than_there_are_is_told() {
+fn skipping_more_lines_than_there_are_is_reported() {
     let bench = Bench::with_rig("[format]\nskip_lines = 9\n");
     assert_says(&bench.refusal(table(&GOOD[..2])), &["skip_lines = 9", "leaves no line to read; the file has 3"]);
     assert_says(&bench.refusal(""), &["the file is empty"]);

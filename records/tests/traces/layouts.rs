@@ -93,7 +93,7 @@ fn header_blocks_comments_and_encodings_do_not_matter() {
     for bytes in [text.as_bytes(), &latin, &wide, &[b"\xff\xfe", &wide[..]].concat()] {
         let trace = Bench::new().read(bytes).unwrap();
         assert_eq!((&trace.time_s, &trace.pressure_pa), (&plain.time_s, &plain.pressure_pa));
-        assert!(trace.left_out.is_empty());
+        assert!(trace.dropped_rows.is_empty());
     }
     let format = "[format]\nskip_lines = 3\ncomment = \"#\"\ndecimal = \".\"\nencoding = \"latin-1\"\n";
     assert_eq!(Bench::with_rig(format).read(latin).unwrap().time_s, plain.time_s);

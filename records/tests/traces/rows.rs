@@ -36,7 +36,7 @@ fn spoiled(spoil: impl Fn(usize, &mut Vec<String>)) -> String {
 }
 
 #[test]
-fn single_bad_rows_are_left_out_and_named() {
+fn single_bad_rows_are_dropped_and_named() {
     for (bad, says) in [
         ("0.50,,0.1", "column `pressure_pa`: `` is not a number, the field is empty"),
         ("0.50,NaN,0.1", "column `pressure_pa`: `NaN` is not a finite number"),
@@ -57,11 +57,11 @@ fn single_bad_rows_are_left_out_and_named() {
             }
         };
         let trace = Bench::new().read(spoiled(spoil)).unwrap();
-        assert_eq!((trace.len(), trace.left_out.len(), trace.sorted), (199, 1, false), "{bad}");
+        assert_eq!((trace.len(), trace.dropped_rows.len(), trace.sorted), (199, 1, false), "{bad}");
         assert!(!trace.time_s.contains(&0.5) && trace.time_s.windows(2).all(|pair| pair[0] < pair[1]), "{bad}");
-        let left_out = &trace.left_out[0];
-        assert_eq!(left_out.line, 52, "{bad}");
-        assert_says(&left_out.to_string(), &["line 52, ", says]);
+        let dropped = &trace.dropped_rows[0];
+        assert_eq!(dropped.line, 52, "{bad}");
+        assert_says(&dropped.to_string(), &["line 52, ", says]);
         let notes = trace.notes();
         assert_eq!(notes.len(), 1);
         assert_says(&notes[0], &["trace.csv: 1 row is left out: line 52", says]);
@@ -81,7 +81,7 @@ fn a_column_with_a_value_at_every_tenth_row_is_joined_by_straight_lines() {
     };
     for offset in [0, 3] {
         let trace = Bench::new().read(slow(offset)).unwrap();
-        assert_eq!((trace.len(), &trace.pressure_pa, trace.left_out.len()), (200, &whole.pressure_pa, 0));
+        assert_eq!((trace.len(), &trace.pressure_pa, trace.dropped_rows.len()), (200, &whole.pressure_pa, 0));
         // The position falls steadily.
         let off = trace.position_m.iter().zip(&whole.position_m).map(|(a, b)| (a - b).abs());
         assert!(off.clone().skip(offset).take(190 - offset).all(|off| off < 1e-12), "{offset}");
@@ -104,7 +104,7 @@ fn one_row_in_fifty_may_be_bad_and_no_more() {
         })
     };
     let trace = Bench::new().read(bad(50)).unwrap();
-    assert_eq!(trace.left_out.iter().map(|row| row.line).collect::<Vec<_>>(), [51, 101, 151, 201]);
+    assert_eq!(trace.dropped_rows.iter().map(|row| row.line).collect::<Vec<_>>(), [51, 101, 151, 201]);
     assert_says(&trace.notes()[0], &["4 rows are left out: line 51", "line 201"]);
     let message = Bench::new().refusal(bad(40));
     assert_says(&message, &["line 41, column `pressure_pa`", "5 of 200 rows", "lines 41, 81, 121, 161, 201)"]);
@@ -127,7 +127,7 @@ fn unsorted_rows_are_sorted_and_records_one_after_the_other_refused() {
     for unsorted in [shuffled, blocks] {
         let trace = Bench::new().read(unsorted).unwrap();
         assert_eq!((trace.time_s, trace.pressure_pa), (plain.time_s.clone(), plain.pressure_pa.clone()));
-        assert!(trace.sorted && trace.left_out.is_empty());
+        assert!(trace.sorted && trace.dropped_rows.is_empty());
     }
     let two = at_last(|rows| rows.extend(rows.clone()));
     assert_says(&Bench::new().refusal(two), &["line 202, column `time_s`", "restarts at 0 s after 1.99 s", "file of"]);

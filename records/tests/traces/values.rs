@@ -24,14 +24,14 @@ fn values_that_are_no_finite_numbers_are_refused_where_they_stand() {
 }
 
 #[test]
-fn a_mark_of_no_reading_is_left_out_of_every_column() {
+fn a_row_with_a_mark_of_no_reading_in_any_column_is_dropped() {
     let row = |k: usize| format!("{},{},0.1", 0.01 * k as f64, 101_300 + k % 7);
     for marked in ["0.5,9.9E37,0.1", "0.5,-9.9E37,0.1", "0.5,101300,9.90000015E+37", "9.91E37,101300,0.1"] {
         let mut rows: Vec<String> = (0..100).map(row).collect();
         rows[50] = marked.to_owned();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
         let trace = Bench::new().read(table(&rows)).unwrap();
-        assert_eq!((trace.len(), trace.left_out.len(), trace.left_out[0].line), (99, 1, 52), "{marked}");
+        assert_eq!((trace.len(), trace.dropped_rows.len(), trace.dropped_rows[0].line), (99, 1, 52), "{marked}");
     }
 }
 

@@ -4,7 +4,7 @@ mod of_shard;
 mod summaries;
 mod verify;
 
-use super::progress::{Progress, Telling};
+use super::progress::{Progress, ProgressFormat};
 use crate::{interrupt, output, stores, study_pictures};
 use anyhow::{Context, bail};
 use of_shard::{parts_of, rows_of};
@@ -77,8 +77,8 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     extend: Option<PathBuf>,
     /// How to report progress on standard error
-    #[arg(long, value_name = "HOW", value_enum, default_value_t = Telling::Bar)]
-    progress: Telling,
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressFormat::Bar)]
+    progress: ProgressFormat,
 }
 
 /// Runs the study.
@@ -105,14 +105,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if args.dry_run {
         Folder::open(&study, &*store)?;
         let estimate = pool.install(|| calibrate(&study, folder, !args.no_rows))?;
-        tell(&study.notes, path);
-        tell_of_space(&*store, &study, args, "about", |rows| estimate.bytes(rows) as u64);
+        print_notes(&study.notes, path);
+        warn_about_space(&*store, &study, args, "about", |rows| estimate.bytes(rows) as u64);
         return output::print(promised(&study, args, &estimate, pool.current_num_threads()).as_bytes());
     }
     let smaller = args.extend.as_deref().map(stores::open).transpose()?;
     let earlier = smaller.as_deref().map(|store| pool.install(|| Earlier::open(&study, store))).transpose()?;
-    tell(&study.notes, path);
-    tell_of_space(&*store, &study, args, "up to", |rows| most_bytes(&study, rows));
+    print_notes(&study.notes, path);
+    warn_about_space(&*store, &study, args, "up to", |rows| most_bytes(&study, rows));
     interrupt::ends_the_program(Some("interrupted: finished parts are kept; run the same command again to continue"));
     let options = Options { shard: args.shard, rows: !args.no_rows, earlier: earlier.as_ref() };
     let progress = Progress::new(args.progress, rows_of(&study, args.shard));
@@ -147,12 +147,12 @@ fn promised(study: &Study, args: &Args, estimate: &Estimate, threads: usize) -> 
 }
 
 /// Reports ineffective settings in the study file.
-fn tell(notes: &[String], path: &Path) {
+fn print_notes(notes: &[String], path: &Path) {
     notes.iter().for_each(|note| output::note(&format!("{}: {note}", path.display())));
 }
 
 /// Warns if there is not enough space for the rows still to be written; `bytes` is the size for a number of rows.
-fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, bytes: impl Fn(u64) -> u64) {
+fn warn_about_space(store: &dyn Store, study: &Study, args: &Args, about: &str, bytes: impl Fn(u64) -> u64) {
     let Some(free) = store.free().filter(|free| !args.no_rows && bytes(rows_of(study, args.shard)) > *free) else {
         return;
     };
@@ -163,7 +163,7 @@ fn tell_of_space(store: &dyn Store, study: &Study, args: &Args, about: &str, byt
         let (bytes, free) = (indicatif::BinaryBytes(bytes), indicatif::BinaryBytes(free));
         output::note(&format!(
             "{}: the rows take {about} {bytes}, and the disk has {free} left",
-            store.place().display()
+            store.location().display()
         ));
     }
 }

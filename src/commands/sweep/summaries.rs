@@ -70,7 +70,7 @@ pub fn summary(folder: &Path, study: &Study, shard: Shard, report: &Report, elap
     for (status, count) in &report.statuses {
         let _ = writeln!(text, "{count:>12}  {status}");
     }
-    if let Some(note) = output::left_out(study.left_out) {
+    if let Some(note) = output::excluded_effects(study.excluded) {
         text += &note;
     }
     for name in &report.results {
@@ -94,7 +94,7 @@ pub fn earlier_summary(report: &Report, earlier: &Earlier) -> String {
 
 /// Rows with a trace, and those without.
 pub fn traces_summary(report: &traces::Report) -> String {
-    let mut text = format!("{}: {} samples of {} rows\n", file_names::TRACES_PLACE, report.samples, report.rows);
+    let mut text = format!("{}: {} samples of {} rows\n", file_names::TRACES_PATH, report.samples, report.rows);
     for (row, reason) in &report.without {
         let _ = writeln!(text, "row {row} has no trace: {reason}");
     }

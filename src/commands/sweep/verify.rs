@@ -29,8 +29,9 @@ pub fn verify(folder: &Path) -> anyhow::Result<()> {
 
 /// Differences from the manifest, if any.
 fn differences(report: &Report) -> Option<String> {
-    let said: Vec<String> = [of_parts(report), of_results(report), of_traces(report)].into_iter().flatten().collect();
-    (!said.is_empty()).then(|| said.join("; "))
+    let differences: Vec<String> =
+        [of_parts(report), of_results(report), of_traces(report)].into_iter().flatten().collect();
+    (!differences.is_empty()).then(|| differences.join("; "))
 }
 
 /// Differences of the parts, the first of them by name.
@@ -40,19 +41,19 @@ fn of_parts(Report { parts, wrong, .. }: &Report) -> Option<String> {
         0 => String::new(),
         more => format!("; and {more} more"),
     };
-    let said = || format!("{} of {parts} parts do not agree with manifest.json: {named}{more}", wrong.len());
-    (!wrong.is_empty()).then(said)
+    let text = || format!("{} of {parts} parts do not agree with manifest.json: {named}{more}", wrong.len());
+    (!wrong.is_empty()).then(text)
 }
 
 /// Differences of the statistics, the sensitivity indices and the traces.
 fn of_results(Report { wrong_results, .. }: &Report) -> Option<String> {
-    let said = || format!("results do not agree with manifest.json: {}", wrong_results.join("; "));
-    (!wrong_results.is_empty()).then(said)
+    let text = || format!("results do not agree with manifest.json: {}", wrong_results.join("; "));
+    (!wrong_results.is_empty()).then(text)
 }
 
 /// How to rewrite wrong traces, which the study does not request itself.
 fn of_traces(Report { wrong_results, .. }: &Report) -> Option<String> {
-    let are_wrong = wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PLACE));
+    let are_wrong = wrong_results.iter().any(|result| result.starts_with(file_names::TRACES_PATH));
     are_wrong.then(|| "traces are written again with --traces".to_owned())
 }
 

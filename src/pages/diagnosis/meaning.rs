@@ -31,7 +31,7 @@ impl<'a> From<&'a Empirical> for Curve<'a> {
 }
 
 /// What the curve of a missing term suggests; empty if nothing in particular.
-pub fn sentence<'a>(curve: impl Into<Curve<'a>>, ambient_pa: f64) -> String {
+pub fn suggestion<'a>(curve: impl Into<Curve<'a>>, ambient_pa: f64) -> String {
     let curve: Curve<'_> = curve.into();
     let grows = curve.slope() > 0.0;
     match (curve.subject.term, curve.subject.variable) {
@@ -159,8 +159,8 @@ mod tests {
 
     #[test]
     fn a_flow_that_is_zero_at_ambient_pressure_is_a_leak_to_the_surroundings() {
-        assert!(sentence(&flow_over_pressure(1.0e5), 1.013e5).contains("a leak to the surroundings"));
-        assert!(sentence(&flow_over_pressure(3.0e5), 1.013e5).contains("a leak to a volume at 3.00 bar"));
-        assert!(sentence(&flow_over_pressure(7.0e5), 1.013e5).contains("a supply at a higher pressure"));
+        assert!(suggestion(&flow_over_pressure(1.0e5), 1.013e5).contains("a leak to the surroundings"));
+        assert!(suggestion(&flow_over_pressure(3.0e5), 1.013e5).contains("a leak to a volume at 3.00 bar"));
+        assert!(suggestion(&flow_over_pressure(7.0e5), 1.013e5).contains("a supply at a higher pressure"));
     }
 }

@@ -256,7 +256,7 @@ fn empirical(rig: &records::Rig, e: &Empirical) -> Result<Section, Error> {
             e.fate.words()
         )
     });
-    let caption = meaning::sentence(e, rig.ambient.pressure_pa);
+    let caption = meaning::suggestion(e, rig.ambient.pressure_pa);
     section.blocks.push(Block::Charts(vec![drawings::empirical(e, caption)?]));
     section.note("Bars: 95 % intervals, with all other parameters fitted.");
     Ok(section)
@@ -267,8 +267,12 @@ fn missing(rig: &records::Rig, d: &Diagnosis) -> Result<Section, Error> {
     section.text(
         "Each curve is a missing term as a free function of one variable, to first order. The curves that explain most of the residual beyond noise come first. Bars: ± two standard deviations.",
     );
-    let drawings: Result<Vec<_>, Error> =
-        d.missing.iter().take(4).map(|m| drawings::missing(m, meaning::sentence(m, rig.ambient.pressure_pa))).collect();
+    let drawings: Result<Vec<_>, Error> = d
+        .missing
+        .iter()
+        .take(4)
+        .map(|m| drawings::missing(m, meaning::suggestion(m, rig.ambient.pressure_pa)))
+        .collect();
     section.blocks.push(Block::Charts(drawings?));
     Ok(section)
 }

@@ -26,7 +26,7 @@ pub fn density(records: &[(f64, &[f64])]) -> Vec<(f64, f64)> {
             for (row_s, rows) in &records {
                 // A record carries no information below the inverse of its length and above half its row rate.
                 let own = 1.0 / (row_s * rows.len() as f64)..=0.5 / row_s * (1.0 + 1e-9);
-                for f in [-1.0 / 3.0, 0.0, 1.0 / 3.0].map(|share| centre * ratio.powf(share)) {
+                for f in [-1.0 / 3.0, 0.0, 1.0 / 3.0].map(|exponent| centre * ratio.powf(exponent)) {
                     if own.contains(&f) {
                         sum += power(*row_s, rows, f);
                         count += 1.0;

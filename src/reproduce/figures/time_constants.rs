@@ -9,7 +9,7 @@ use report::{Axis, Chart, Colour, Mark, Series};
 pub fn draw(effect: &GeometryEffect) -> Result<String> {
     let ratios = |form: &str, shift: f64| -> Result<Vec<(f64, f64)>> {
         let outcome = effect.outcome(form).with_context(|| format!("the form `{form}` is missing"))?;
-        let predicted = outcome.time_constants_left_out_s.as_ref().context("a form has no left-out prediction")?;
+        let predicted = outcome.time_constants_held_out_s.as_ref().context("a form has no left-out prediction")?;
         let of_each = predicted.iter().zip(&effect.points).enumerate();
         Ok(of_each.map(|(i, (t, p))| (i as f64 + shift, t / p.time_constant_s)).collect())
     };

@@ -106,7 +106,7 @@ fn marker(actuator: &str, filled: bool) -> Mark {
 
 /// The rows of the study with one λ0, all bores and pressures.
 fn one_coefficient(flat: &[TrendPoint]) -> Series<'static> {
-    let mut points: Vec<(f64, f64)> = flat.iter().map(place).filter(inside).collect();
+    let mut points: Vec<(f64, f64)> = flat.iter().map(figure_point).filter(inside).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Thinned: a dashed line through hundreds of closely spaced points would lose its dashes.
     let points = points.iter().copied().step_by(points.len().div_ceil(60).max(1)).collect();
@@ -114,7 +114,7 @@ fn one_coefficient(flat: &[TrendPoint]) -> Series<'static> {
 }
 
 /// A row in the figure's units.
-fn place(point: &TrendPoint) -> (f64, f64) {
+fn figure_point(point: &TrendPoint) -> (f64, f64) {
     (point.volume_to_area_m * MM, point.coefficient_0_w_per_m2_k)
 }
 
@@ -125,7 +125,7 @@ fn inside((x, y): &(f64, f64)) -> bool {
 /// The curve of selected rows at one pressure, within the figure.
 fn curve(points: &[TrendPoint], pressure_pa: f64, of: impl Fn(&TrendPoint) -> bool) -> Vec<(f64, f64)> {
     let own = points.iter().filter(|p| p.initial_pressure_pa == pressure_pa && of(p));
-    let mut curve: Vec<(f64, f64)> = own.map(place).filter(inside).collect();
+    let mut curve: Vec<(f64, f64)> = own.map(figure_point).filter(inside).collect();
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
     curve
 }

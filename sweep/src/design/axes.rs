@@ -29,12 +29,12 @@ impl Axes {
     }
 
     /// Maps fractions in [0, 1) to values, one column for each axis.
-    pub fn place(&self, columns: &mut [Vec<f64>]) {
+    pub fn map_fractions(&self, columns: &mut [Vec<f64>]) {
         if let Some(copula) = &self.copula {
             copula.apply(columns);
         }
         for (axis, column) in self.list.iter().zip(columns) {
-            axis.place(column);
+            axis.map_fractions(column);
         }
     }
 }

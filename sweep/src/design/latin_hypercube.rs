@@ -18,7 +18,7 @@ impl LatinHypercube {
     pub fn new(axes: Axes, samples: u64, seed: u64) -> Self {
         let keys = (0..axes.len() as u64).map(|d| (mix(seed, 2 * d), mix(seed, 2 * d + 1)));
         let columns =
-            keys.map(|(permutation, place)| (Permutation::new(samples, permutation), Stream::new(place))).collect();
+            keys.map(|(permutation, offsets)| (Permutation::new(samples, permutation), Stream::new(offsets))).collect();
         Self { axes, samples, columns }
     }
 
@@ -35,33 +35,33 @@ impl LatinHypercube {
     /// Fills one column for each axis with the values of some rows.
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
         let mut slices = vec![0; (rows.end - rows.start) as usize];
-        for ((permutation, place), column) in self.columns.iter().zip(columns.iter_mut()) {
+        for ((permutation, offsets), column) in self.columns.iter().zip(columns.iter_mut()) {
             permutation.fill(rows.start, &mut slices);
             column.resize(slices.len(), 0.0);
             let (first_row, samples) = (rows.start, self.samples as f64);
-            Arch::new().dispatch(Shares { slices: &slices, samples, place: *place, first_row, out: column });
+            Arch::new().dispatch(Positions { slices: &slices, samples, offsets: *offsets, first_row, out: column });
         }
-        self.axes.place(columns);
+        self.axes.map_fractions(columns);
     }
 }
 
 /// Random positions in slices of an axis, as fractions of the axis.
-struct Shares<'a> {
+struct Positions<'a> {
     slices: &'a [u64],
     samples: f64,
-    place: Stream,
+    offsets: Stream,
     first_row: u64,
     out: &'a mut [f64],
 }
 
-impl WithSimd for Shares<'_> {
+impl WithSimd for Positions<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let mut i = 0;
         while i < self.slices.len() && i < self.out.len() {
-            let within = unit(self.place.at(self.first_row + i as u64));
+            let within = unit(self.offsets.at(self.first_row + i as u64));
             self.out[i] = (self.slices[i] as f64 + within) / self.samples;
             i += 1;
         }

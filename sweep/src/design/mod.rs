@@ -119,7 +119,7 @@ impl Design {
                     column
                         .extend(points.coordinates_from(rows.start, dimension).take((rows.end - rows.start) as usize));
                 }
-                axes.place(columns);
+                axes.map_fractions(columns);
             }
             Design::Saltelli(saltelli) => saltelli.fill(rows, columns),
             Design::Table(table) => table.fill(rows, columns)?,

@@ -85,21 +85,21 @@ impl Permutation {
         debug_assert!(first + out.len() as u64 <= self.size);
         out.iter_mut().zip(first..).for_each(|(element, index)| *element = index);
         arch.dispatch(Step { permutation: self, elements: out });
-        let (mut places, mut walking, mut count) = ([0; BLOCK], [0; BLOCK], 0);
-        for (place, element) in out.iter().enumerate() {
-            places[count] = place as u16;
+        let (mut indices, mut walking, mut count) = ([0; BLOCK], [0; BLOCK], 0);
+        for (index, element) in out.iter().enumerate() {
+            indices[count] = index as u16;
             count += usize::from(*element >= self.size);
         }
         while count > 0 {
             for i in 0..count {
-                walking[i] = out[usize::from(places[i])];
+                walking[i] = out[usize::from(indices[i])];
             }
             arch.dispatch(Step { permutation: self, elements: &mut walking[..count] });
             let mut outside = 0;
             for i in 0..count {
-                let (element, place) = (walking[i], places[i]);
-                out[usize::from(place)] = element;
-                places[outside] = place;
+                let (element, index) = (walking[i], indices[i]);
+                out[usize::from(index)] = element;
+                indices[outside] = index;
                 outside += usize::from(element >= self.size);
             }
             count = outside;

@@ -87,15 +87,15 @@ impl Saltelli {
     /// Appends the values of some rows to one column for each quantity.
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) {
         for (quantity, column) in columns.iter_mut().enumerate() {
-            let share = |row: u64| {
+            let coordinate = |row: u64| {
                 let (block, row) = (row / self.scheme.rows(), row % self.scheme.rows());
                 let sequence = &self.replicates[(block % REPLICATES) as usize];
                 let of_b = if self.scheme.is_of_b(row, quantity) { self.axes.len() } else { 0 };
                 sequence.coordinate(block / REPLICATES, quantity + of_b)
             };
-            column.extend(rows.clone().map(share));
+            column.extend(rows.clone().map(coordinate));
         }
-        self.axes.place(columns);
+        self.axes.map_fractions(columns);
     }
 }
 

@@ -35,7 +35,7 @@ impl Sobol {
     /// Coordinate of a point.
     #[inline]
     pub fn coordinate(&self, index: u64, dimension: usize) -> f64 {
-        share(self.digits(index, dimension))
+        unit_fraction(self.digits(index, dimension))
     }
 
     /// Coordinates of a point and of all points after it.
@@ -47,7 +47,7 @@ impl Sobol {
             changes[bit] ^= changes[bit - 1];
         }
         std::iter::repeat_with(move || {
-            let value = share(digits);
+            let value = unit_fraction(digits);
             index += 1;
             digits ^= changes[index.trailing_zeros() as usize];
             value
@@ -68,7 +68,7 @@ impl Sobol {
 
 /// Binary digits after the point as a number in [0, 1).
 #[inline]
-fn share(digits: u64) -> f64 {
+fn unit_fraction(digits: u64) -> f64 {
     digits as f64 * (1.0 / (1u64 << BITS) as f64)
 }
 
@@ -77,10 +77,10 @@ fn share(digits: u64) -> f64 {
 fn scramble(digits: u64, key: u64) -> u64 {
     let mut result = 0;
     for digit in 0..BITS {
-        let place = BITS - 1 - digit;
-        let higher = if digit == 0 { 0 } else { (mix(key, digit as u64) << (place + 1)) & ((1 << BITS) - 1) };
-        let row = 1 << place | higher;
-        result |= u64::from((digits & row).count_ones() & 1) << place;
+        let bit = BITS - 1 - digit;
+        let higher = if digit == 0 { 0 } else { (mix(key, digit as u64) << (bit + 1)) & ((1 << BITS) - 1) };
+        let row = 1 << bit | higher;
+        result |= u64::from((digits & row).count_ones() & 1) << bit;
     }
     result
 }

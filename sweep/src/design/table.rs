@@ -126,7 +126,7 @@ impl Table {
     pub fn fill(&self, rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         match &self.kind {
             Kind::Parquet(metadata) => unbroken(&self.path, || self.fill_from_parquet(metadata, rows, columns)),
-            Kind::Csv(places) => self.fill_from_csv(places, rows, columns),
+            Kind::Csv(positions) => self.fill_from_csv(positions, rows, columns),
         }
     }
 
@@ -158,8 +158,8 @@ impl Table {
     }
 
     fn append(&self, batch: &RecordBatch, first_row: u64, columns: &mut [Vec<f64>]) -> Result<(), Error> {
-        for (c, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
-            let name = &self.names[place];
+        for (c, (&index, column)) in self.columns.iter().zip(columns).enumerate() {
+            let name = &self.names[index];
             let array = batch
                 .column_by_name(name)
                 .ok_or_else(|| Error::table(&self.path, format!("column `{name}` is missing in some row groups")))?;
@@ -185,20 +185,20 @@ impl Table {
         Ok(())
     }
 
-    /// Refuses a value not allowed in the column at this index among those in use; `place` describes its location.
-    fn check_allowed(&self, column: usize, value: f64, place: impl FnOnce() -> String) -> Result<(), Error> {
+    /// Refuses a value not allowed in the column at this index among those in use; `location` describes where it is.
+    fn check_allowed(&self, column: usize, value: f64, location: impl FnOnce() -> String) -> Result<(), Error> {
         match self.allowed.get(column).filter(|allowed| !allowed.contains(value)) {
             None => Ok(()),
             Some(allowed) => {
-                let message = format!("{}: is {}, but has to be {allowed}", place(), shortest(value));
+                let message = format!("{}: is {}, but has to be {allowed}", location(), shortest(value));
                 Err(Error::table(&self.path, message))
             }
         }
     }
 
-    fn fill_from_csv(&self, places: &[(u64, u64)], rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
+    fn fill_from_csv(&self, positions: &[(u64, u64)], rows: Range<u64>, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         let read = Error::reading(&self.path);
-        let (byte, mut line) = places[(rows.start / STRIDE) as usize];
+        let (byte, mut line) = positions[(rows.start / STRIDE) as usize];
         let mut reader = BufReader::new(File::open(&self.path).map_err(&read)?);
         reader.seek(SeekFrom::Start(byte)).map_err(&read)?;
         let mut row = rows.start / STRIDE * STRIDE;
@@ -229,15 +229,15 @@ impl Table {
                 format!("line {line}: {found} values; expected {expected}, one for each column of the header"),
             ));
         }
-        for (c, (&place, column)) in self.columns.iter().zip(columns).enumerate() {
-            let number = fields[place].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
-                let what = match fields[place] {
+        for (c, (&index, column)) in self.columns.iter().zip(columns).enumerate() {
+            let number = fields[index].parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
+                let what = match fields[index] {
                     "" => "the field is empty; expected a number".to_owned(),
                     text => format!("`{text}` is not a finite number (decimal point, no unit)"),
                 };
-                Error::table(&self.path, format!("line {line}, column `{}`: {what}", self.names[place]))
+                Error::table(&self.path, format!("line {line}, column `{}`: {what}", self.names[index]))
             })?;
-            self.check_allowed(c, number, || format!("line {line}, column `{}`", self.names[place]))?;
+            self.check_allowed(c, number, || format!("line {line}, column `{}`", self.names[index]))?;
             column.push(number);
         }
         Ok(())
@@ -275,18 +275,18 @@ fn index_csv(path: &Path) -> Result<(Vec<String>, u64, Kind), Error> {
     if let Some(twice) = records::repeated(&names) {
         return Err(Error::table(path, format!("line 1: two columns are named `{twice}`; expected different names")));
     }
-    let (mut rows, mut line, mut places) = (0, 1, Vec::new());
+    let (mut rows, mut line, mut positions) = (0, 1, Vec::new());
     let mut bytes = Vec::new();
     loop {
         bytes.clear();
         let length = reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes).map_err(&read)?;
         if length == 0 {
-            return Ok((names, rows, Kind::Csv(places)));
+            return Ok((names, rows, Kind::Csv(positions)));
         }
         check_length(path, line + 1, &bytes)?;
         if !bytes.iter().all(u8::is_ascii_whitespace) {
             if rows % STRIDE == 0 {
-                places.push((byte, line));
+                positions.push((byte, line));
             }
             rows += 1;
         }

@@ -111,7 +111,7 @@ impl<'a> Folder<'a> {
 
     /// Path of a file of this folder, for display.
     pub fn path(&self, name: &str) -> PathBuf {
-        if name.is_empty() { self.store.place().to_owned() } else { self.store.place().join(name) }
+        if name.is_empty() { self.store.location().to_owned() } else { self.store.location().join(name) }
     }
 
     /// A part's path in the folder.
@@ -191,13 +191,13 @@ impl<'a> Folder<'a> {
             );
         }
         let keys = ours.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
-        let told = keys.into_iter().filter(|key| theirs[key] != ours[key]).flat_map(|key| match key.as_str() {
+        let differences = keys.into_iter().filter(|key| theirs[key] != ours[key]).flat_map(|key| match key.as_str() {
             "fixed" => differing(&theirs[&key], &ours[&key])
                 .map(|(name, [theirs, ours])| format!("{name} ({theirs} there, {ours} here)"))
                 .collect(),
             _ => vec![key],
         });
-        format!("{}, which differs in {}", theirs["name"], told.collect::<Vec<_>>().join(", "))
+        format!("{}, which differs in {}", theirs["name"], differences.collect::<Vec<_>>().join(", "))
     }
 
     /// The statistics in a part's record. [`Folder::find`] omits them: those of all parts of a large study exceed its memory.
@@ -273,20 +273,20 @@ impl<'a> Folder<'a> {
     }
 
     /// Writes a result's record durably, before the result itself.
-    pub fn record_result(&self, place: &str, digest: &Digest) -> Result<(), Error> {
-        self.write_json(&file_names::record_of_result(place), &json!(digest))
+    pub fn record_result(&self, path: &str, digest: &Digest) -> Result<(), Error> {
+        self.write_json(&file_names::record_of_result(path), &json!(digest))
     }
 
     /// The existing results alongside the parts, as described by their records.
     fn results(&self) -> Result<Vec<Value>, Error> {
         let mut found = Vec::new();
-        for place in file_names::RESULTS {
-            let record = file_names::record_of_result(place);
+        for path in file_names::RESULTS {
+            let record = file_names::record_of_result(path);
             let text = self.store.read(&record).map_err(self.reading(&record))?;
             let digest: Option<Digest> = text.and_then(|text| serde_json::from_slice(&text).ok());
-            let is_there = self.store.length(place).map_err(self.reading(place))?.is_some();
+            let is_there = self.store.length(path).map_err(self.reading(path))?.is_some();
             if let Some(Digest { sha256, bytes }) = digest.filter(|_| is_there) {
-                found.push(json!({ "file": place, "bytes": bytes, "sha256": sha256 }));
+                found.push(json!({ "file": path, "bytes": bytes, "sha256": sha256 }));
             }
         }
         Ok(found)

@@ -58,7 +58,7 @@ struct Named {
 /// # Errors
 /// The study is not finished, or the manifest cannot be read or is invalid.
 pub fn verify(store: &dyn Store) -> Result<Report, Error> {
-    let path = store.place().join(MANIFEST);
+    let path = store.location().join(MANIFEST);
     let text = store.read(MANIFEST).map_err(Error::reading(&path))?;
     let text = text.ok_or_else(|| not_finished(store))?;
     let manifest: Manifest = serde_json::from_slice(&text).map_err(|error| {
@@ -88,7 +88,7 @@ pub fn verify(store: &dyn Store) -> Result<Report, Error> {
 
 /// Why there is no manifest: parts are missing, or the folder contains no study.
 fn not_finished(store: &dyn Store) -> Error {
-    let folder = store.place().display();
+    let folder = store.location().display();
     let study = store.read(&format!("{RECORDS}/{STUDY}")).ok().flatten();
     let study = study.and_then(|text| serde_json::from_slice::<Value>(&text).ok());
     let Some(parts) = study.and_then(|study| study["study"]["parts"].as_u64()) else {
@@ -113,9 +113,9 @@ fn is_there(store: &dyn Store, part: &str) -> bool {
 /// Existing results that are not listed.
 fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, Error> {
     let mut found = Vec::new();
-    for place in RESULTS.into_iter().filter(|place| named.iter().all(|named| named.file != *place)) {
-        if store.length(place).map_err(Error::reading(&store.place().join(place)))?.is_some() {
-            found.push(place);
+    for path in RESULTS.into_iter().filter(|path| named.iter().all(|named| named.file != *path)) {
+        if store.length(path).map_err(Error::reading(&store.location().join(path)))?.is_some() {
+            found.push(path);
         }
     }
     Ok(found)
@@ -123,7 +123,7 @@ fn not_covered(store: &dyn Store, named: &[Named]) -> Result<Vec<&'static str>, 
 
 /// Files among the parts that are not parts. Readers skip names that begin with a dot or an underscore.
 fn foreign(store: &dyn Store, parts: &[Part]) -> Result<Vec<String>, Error> {
-    let names = store.names(ROWS).map_err(Error::reading(&store.place().join(ROWS)))?;
+    let names = store.names(ROWS).map_err(Error::reading(&store.location().join(ROWS)))?;
     let seen = names.into_iter().filter(|name| !name.starts_with(['.', '_'])).map(|name| format!("{ROWS}/{name}"));
     Ok(seen.filter(|name| parts.iter().all(|part| part.named.file != *name)).collect())
 }

@@ -74,7 +74,7 @@ impl Doubles {
                 self.valid.append_buffer(nulls.inner());
                 let mut present = std::mem::take(&mut self.present);
                 present.clear();
-                present.extend(nulls.valid_indices().map(|place| values.value(place)));
+                present.extend(nulls.valid_indices().map(|index| values.value(index)));
                 self.split(&present);
                 self.present = present;
             }
@@ -90,8 +90,8 @@ impl Doubles {
     fn end_page(&mut self, packer: &mut Packer) -> Result<()> {
         let (rows, values) = (self.valid.len(), self.values);
         if values < PAGE {
-            for place in 1..BYTES {
-                self.split.copy_within(place * PAGE..place * PAGE + values, place * values);
+            for byte_index in 1..BYTES {
+                self.split.copy_within(byte_index * PAGE..byte_index * PAGE + values, byte_index * values);
             }
         }
         let nulls = rows - values;
@@ -166,16 +166,16 @@ impl WithSimd for Split<'_> {
                 largest = if key > largest { key } else { largest };
                 i += 1;
             }
-            let mut place = 0;
-            while place < BYTES {
-                let from = place * PAGE + begin + at;
+            let mut byte_index = 0;
+            while byte_index < BYTES {
+                let from = byte_index * PAGE + begin + at;
                 let bytes = &mut out[from..from + block.len()];
                 let mut i = 0;
                 while i < block.len() {
-                    bytes[i] = (block[i].to_bits() >> (8 * place)) as u8;
+                    bytes[i] = (block[i].to_bits() >> (8 * byte_index)) as u8;
                     i += 1;
                 }
-                place += 1;
+                byte_index += 1;
             }
             at += block.len();
         }

@@ -117,10 +117,10 @@ pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Pie
     for page in &dictionary {
         append(page)?;
     }
-    let places: Vec<(usize, usize)> = data.into_iter().map(append).collect::<Result<_>>()?;
+    let extents: Vec<(usize, usize)> = data.into_iter().map(append).collect::<Result<_>>()?;
     let added = (out.length() - pages.iter().map(Bytes::len).sum::<usize>()) as i64;
     let close = chunk.close_mut();
-    let first = places.first().map_or(0, |(begin, _)| *begin as i64);
+    let first = extents.first().map_or(0, |(begin, _)| *begin as i64);
     let metadata = close.metadata.clone();
     let (compressed, uncompressed) = (metadata.compressed_size() + added, metadata.uncompressed_size() + added);
     let metadata = metadata
@@ -131,7 +131,8 @@ pub fn with_checksums(mut chunk: ArrowColumnChunk, pages: &Pages) -> Result<(Pie
         .set_data_page_offset(first)
         .build()?;
     let mut offset_index = close.offset_index.take();
-    for (location, (begin, length)) in offset_index.iter_mut().flat_map(|index| &mut index.page_locations).zip(places) {
+    for (location, (begin, length)) in offset_index.iter_mut().flat_map(|index| &mut index.page_locations).zip(extents)
+    {
         location.offset = begin as i64;
         location.compressed_page_size = length as i32;
     }

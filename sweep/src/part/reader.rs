@@ -15,7 +15,7 @@ pub fn read(path: &Path, names: Option<&[&str]>, skipped: u64) -> Result<Parquet
     let mut builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(&parquet)?.with_offset(skipped as usize);
     if let Some(names) = names {
         let fields = builder.schema().fields().iter().enumerate();
-        let wanted = fields.filter(|(_, field)| names.contains(&field.name().as_str())).map(|(place, _)| place);
+        let wanted = fields.filter(|(_, field)| names.contains(&field.name().as_str())).map(|(index, _)| index);
         let mask = ProjectionMask::roots(builder.parquet_schema(), wanted);
         builder = builder.with_projection(mask);
     }

@@ -66,12 +66,12 @@ impl<'a> Statuses<'a> {
     /// Counts rows with the same status, and returns its index.
     fn count(&mut self, row: Status, rows: usize) -> usize {
         let met = &mut self.met;
-        let place = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
+        let index = met.iter().position(|(status, _)| *status == row).unwrap_or_else(|| {
             met.push((row, 0));
             met.len() - 1
         });
-        met[place].1 += rows as u64;
-        place
+        met[index].1 += rows as u64;
+        index
     }
 
     /// Counts rows; adjacent ones mostly have the same status.

@@ -32,16 +32,16 @@ impl Texts {
         let texts = rows.values().as_any().downcast_ref::<StringArray>();
         let texts = texts.ok_or_else(|| ParquetError::General("a dictionary of something else than texts".into()))?;
         // For each key its index here, once encountered.
-        let mut places: Vec<Option<u16>> = vec![None; texts.len()];
+        let mut indices: Vec<Option<u16>> = vec![None; texts.len()];
         self.rows.reserve(rows.len());
         for key in rows.keys().values() {
-            let place = places[*key as usize].get_or_insert_with(|| self.place(texts.value(*key as usize)));
-            self.rows.push(*place);
+            let index = indices[*key as usize].get_or_insert_with(|| self.intern(texts.value(*key as usize)));
+            self.rows.push(*index);
         }
         Ok(())
     }
 
-    fn place(&mut self, text: &str) -> u16 {
+    fn intern(&mut self, text: &str) -> u16 {
         let known = self.dictionary.iter().position(|known| known == text);
         known.unwrap_or_else(|| {
             self.dictionary.push(text.to_owned());

@@ -70,18 +70,18 @@ impl Axis {
         }
     }
 
-    /// Maps fractions in [0, 1) to values: along a range, over the values in equal shares, or as probabilities of a distribution.
-    pub fn place(&self, shares: &mut [f64]) {
+    /// Maps fractions in [0, 1) to values: along a range, over the values equally often, or as probabilities of a distribution.
+    pub fn map_fractions(&self, fractions: &mut [f64]) {
         match *self {
             Axis::Values { ref values } => {
                 let value = |u: f64| values[((u * values.len() as f64) as usize).min(values.len() - 1)];
-                shares.iter_mut().for_each(|share| *share = value(*share));
+                fractions.iter_mut().for_each(|fraction| *fraction = value(*fraction));
             }
             Axis::Range { from, to, scale, .. } => {
-                Arch::new().dispatch(PlaceInLanes { between: Between::new(from, to, scale), shares });
+                Arch::new().dispatch(MapInLanes { between: Between::new(from, to, scale), fractions });
             }
             Axis::Drawn(ref distribution) => {
-                shares.iter_mut().for_each(|share| *share = distribution.quantile(*share));
+                fractions.iter_mut().for_each(|fraction| *fraction = distribution.quantile(*fraction));
             }
         }
     }
@@ -123,27 +123,27 @@ impl Between {
     }
 
     #[inline(always)]
-    fn value<R: Real>(&self, share: R) -> R {
-        let value = share * self.length + self.begin;
+    fn value<R: Real>(&self, fraction: R) -> R {
+        let value = fraction * self.length + self.begin;
         let value = if self.scale == Scale::Log { value.exp() } else { value };
         value.max(R::from(self.from)).min(R::from(self.to))
     }
 }
 
 /// Maps fractions to values, several at a time.
-struct PlaceInLanes<'a> {
+struct MapInLanes<'a> {
     between: Between,
-    shares: &'a mut [f64],
+    fractions: &'a mut [f64],
 }
 
-impl WithSimd for PlaceInLanes<'_> {
+impl WithSimd for MapInLanes<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let (whole, rest) = self.shares.as_chunks_mut::<WIDTH>();
-        for shares in whole {
-            *shares = self.between.value(Lanes(*shares)).0;
+        let (whole, rest) = self.fractions.as_chunks_mut::<WIDTH>();
+        for fractions in whole {
+            *fractions = self.between.value(Lanes(*fractions)).0;
         }
         let last = self.between.value(Lanes::from_fn(|lane| rest.get(lane).copied().unwrap_or(0.0)));
         rest.copy_from_slice(&last.0[..rest.len()]);
@@ -167,23 +167,23 @@ mod tests {
     }
 
     #[test]
-    fn shares_of_a_list_are_equal() {
+    fn fractions_select_each_value_of_a_list_equally_often() {
         let axis = Axis::Values { values: vec![1.0, 2.0, 4.0] };
-        let mut shares = [0.0, 0.33, 0.34, 0.66, 0.67, 0.9999999];
-        axis.place(&mut shares);
-        assert_eq!(shares, [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]);
+        let mut fractions = [0.0, 0.33, 0.34, 0.66, 0.67, 0.9999999];
+        axis.map_fractions(&mut fractions);
+        assert_eq!(fractions, [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]);
     }
 
     #[test]
-    fn shares_of_a_range_are_within_it_and_as_far_along_as_they_say() {
-        let shares: Vec<f64> = (0..37).map(|i| f64::from(i) / 37.0).collect();
+    fn fractions_map_to_the_values_of_a_range_in_proportion_to_its_scale() {
+        let fractions: Vec<f64> = (0..37).map(|i| f64::from(i) / 37.0).collect();
         for (scale, expected) in [(Scale::Linear, 1.0 + 6.0 * 0.5), (Scale::Log, 7f64.sqrt())] {
             let axis = Axis::Range { from: 1.0, to: 7.0, count: None, scale };
-            let mut values = shares.clone();
-            axis.place(&mut values);
+            let mut values = fractions.clone();
+            axis.map_fractions(&mut values);
             assert!(values[0] == 1.0 && values.is_sorted() && values[36] < 7.0);
             let mut middle = [0.5];
-            axis.place(&mut middle);
+            axis.map_fractions(&mut middle);
             assert!((middle[0] / expected - 1.0).abs() < 1e-15);
         }
     }

@@ -53,19 +53,19 @@ impl Copula {
     }
 
     /// Replaces independent probabilities with correlated ones.
-    pub fn apply(&self, shares: &mut [Vec<f64>]) {
+    pub fn apply(&self, probabilities: &mut [Vec<f64>]) {
         if !self.is_correlated() {
             return;
         }
-        let rows = self.columns.first().map_or(0, |column| shares[*column].len());
+        let rows = self.columns.first().map_or(0, |column| probabilities[*column].len());
         let mut independent = vec![0.0; self.columns.len()];
         (0..rows).for_each(|row| {
             for (z, column) in independent.iter_mut().zip(&self.columns) {
-                *z = normal_quantile(shares[*column][row].clamp(TAIL, 1.0 - TAIL));
+                *z = normal_quantile(probabilities[*column][row].clamp(TAIL, 1.0 - TAIL));
             }
             for (i, column) in self.columns.iter().enumerate() {
                 let z: f64 = independent.iter().enumerate().map(|(k, z)| self.factor[(i, k)] * z).sum();
-                shares[*column][row] = normal(z);
+                probabilities[*column][row] = normal(z);
             }
         });
     }
@@ -81,14 +81,15 @@ mod tests {
     }
 
     #[test]
-    fn shares_get_their_correlations_and_stay_uniform() {
+    fn probabilities_get_their_correlations_and_stay_uniform() {
         let correlation = matrix([[1.0, 0.8, -0.3], [0.8, 1.0, 0.1], [-0.3, 0.1, 1.0]]);
         let copula = Copula::new(vec![2, 0, 1], &correlation).unwrap();
         let n = 100_000;
         let column = |key| (0..n).map(|i| unit(Stream::new(key).at(i))).collect::<Vec<_>>();
-        let mut shares = [column(1), column(2), column(3)];
-        copula.apply(&mut shares);
-        let z: Vec<Vec<f64>> = [2, 0, 1].map(|c: usize| shares[c].iter().map(|u| normal_quantile(*u)).collect()).into();
+        let mut probabilities = [column(1), column(2), column(3)];
+        copula.apply(&mut probabilities);
+        let z: Vec<Vec<f64>> =
+            [2, 0, 1].map(|c: usize| probabilities[c].iter().map(|u| normal_quantile(*u)).collect()).into();
         let mean = |f: &dyn Fn(usize) -> f64| (0..n as usize).map(f).sum::<f64>() / n as f64;
         for i in 0..3 {
             assert!(mean(&|r| z[i][r]).abs() < 0.015 && (mean(&|r| z[i][r] * z[i][r]) - 1.0).abs() < 0.02);
@@ -103,10 +104,10 @@ mod tests {
     fn a_correlation_of_one_is_one_quantity_and_contradictions_are_refused() {
         let ones = matrix([[1.0; 3]; 3]);
         let copula = Copula::new(vec![0, 1, 2], &ones).unwrap();
-        let mut shares = [vec![0.3, 0.9], vec![0.1, 0.2], vec![0.6, 0.7]];
-        copula.apply(&mut shares);
+        let mut probabilities = [vec![0.3, 0.9], vec![0.1, 0.2], vec![0.6, 0.7]];
+        copula.apply(&mut probabilities);
         for other in [1, 2] {
-            assert!(shares[0].iter().zip(&shares[other]).all(|(a, b)| (a - b).abs() < 1e-7));
+            assert!(probabilities[0].iter().zip(&probabilities[other]).all(|(a, b)| (a - b).abs() < 1e-7));
         }
         let impossible = matrix([[1.0, 0.9, 0.9], [0.9, 1.0, -0.9], [0.9, -0.9, 1.0]]);
         assert_eq!(Copula::new(vec![0, 1, 2], &impossible), None);

@@ -97,22 +97,22 @@ impl Distribution {
     }
 
     /// The quantile at a probability. Probabilities of 0 and 1 are replaced by the nearest ones with a finite value.
-    pub fn quantile(&self, share: f64) -> f64 {
-        let share = share.clamp(TAIL, 1.0 - TAIL);
+    pub fn quantile(&self, probability: f64) -> f64 {
+        let probability = probability.clamp(TAIL, 1.0 - TAIL);
         match self {
-            Distribution::Normal { mean, sd, limits } => limits.clamp(mean + sd * self.standard_quantile(share)),
+            Distribution::Normal { mean, sd, limits } => limits.clamp(mean + sd * self.standard_quantile(probability)),
             Distribution::LogNormal { median, sd_log, limits } => {
-                limits.clamp(median * (sd_log * self.standard_quantile(share)).exp())
+                limits.clamp(median * (sd_log * self.standard_quantile(probability)).exp())
             }
             Distribution::Triangular { from, mode, to } => match Triangular::new(*from, *to, *mode) {
-                Ok(triangular) => triangular.inverse_cdf(share),
+                Ok(triangular) => triangular.inverse_cdf(probability),
                 Err(_) => f64::NAN,
             },
             Distribution::Empirical { values } => {
-                let place = share * (values.len() - 1) as f64;
-                let before = (place as usize).min(values.len() - 2);
+                let position = probability * (values.len() - 1) as f64;
+                let before = (position as usize).min(values.len() - 2);
                 let (a, b) = (values[before], values[before + 1]);
-                a + (place - before as f64) * (b - a)
+                a + (position - before as f64) * (b - a)
             }
         }
     }
@@ -135,10 +135,12 @@ impl Distribution {
     }
 
     /// Quantile of the standard normal variable between its limits, computed from the tail that preserves the digits.
-    fn standard_quantile(&self, share: f64) -> f64 {
+    fn standard_quantile(&self, probability: f64) -> f64 {
         let [a, b] = self.standard_limits();
-        let between = |a: f64, b: f64, share: f64| normal_quantile(normal(a) * (1.0 - share) + normal(b) * share);
-        if a > 0.0 { -between(-b, -a, 1.0 - share) } else { between(a, b, share) }
+        let between = |a: f64, b: f64, probability: f64| {
+            normal_quantile(normal(a) * (1.0 - probability) + normal(b) * probability)
+        };
+        if a > 0.0 { -between(-b, -a, 1.0 - probability) } else { between(a, b, probability) }
     }
 }
 
@@ -212,13 +214,13 @@ mod tests {
     fn a_log_normal_quantile_is_that_of_statrs() {
         let ours = Distribution::LogNormal { median: 2.0, sd_log: 0.3, limits: FREE };
         let theirs = LogNormal::new(2f64.ln(), 0.3).unwrap();
-        for share in [1e-12, 0.025, 0.5, 0.975, 1.0 - 1e-12] {
-            assert!((ours.quantile(share) / theirs.inverse_cdf(share) - 1.0).abs() < 1e-13);
+        for probability in [1e-12, 0.025, 0.5, 0.975, 1.0 - 1e-12] {
+            assert!((ours.quantile(probability) / theirs.inverse_cdf(probability) - 1.0).abs() < 1e-13);
         }
     }
 
     #[test]
-    fn a_distribution_without_ends_is_drawn_from_as_far_as_doubles_tell_shares_apart() {
+    fn a_distribution_without_ends_is_drawn_from_as_far_as_doubles_resolve_probabilities() {
         let bounds = Distribution::Normal { mean: 0.0, sd: 1.0, limits: FREE }.bounds();
         assert!((-8.3..-8.1).contains(bounds.start()) && (8.1..8.3).contains(bounds.end()), "{bounds:?}");
     }
@@ -226,16 +228,16 @@ mod tests {
     proptest! {
         #[test]
         fn a_truncated_distribution_keeps_its_shape_within_its_limits(
-            from in -5.0..5.0f64, length in 0.01..8.0f64, share in 0.001..0.999f64,
+            from in -5.0..5.0f64, length in 0.01..8.0f64, probability in 0.001..0.999f64,
         ) {
             let limits = Limits { from: Some(from), to: Some(from + length) };
             let distribution = Distribution::Normal { mean: 0.0, sd: 1.0, limits };
             prop_assume!(distribution.problem().is_none());
-            let x = distribution.quantile(share);
+            let x = distribution.quantile(probability);
             prop_assert!((from..=from + length).contains(&x));
             // dx/du = mass/density.
             let step = 1e-5;
-            let slope = (distribution.quantile(share + step) - distribution.quantile(share - step)) / (2.0 * step);
+            let slope = (distribution.quantile(probability + step) - distribution.quantile(probability - step)) / (2.0 * step);
             let expected = mass([from, from + length]) / Normal::standard().pdf(x);
             prop_assert!((slope / expected - 1.0).abs() < 1e-3, "{slope} {expected}");
         }

@@ -166,33 +166,33 @@ const BASE_LIST: [(Base, &str, &str, Allowed, &str); BASE] = [
 ];
 
 /// Whether the quantity at that index is meaningless here, where no stroke is recorded.
-pub fn is_of_recorded_stroke(place: usize) -> bool {
-    effect_of(place).is_some_and(|(effect, _)| effects::of_recorded_stroke().has(effect))
+pub fn is_of_recorded_stroke(quantity: usize) -> bool {
+    effect_of(quantity).is_some_and(|(effect, _)| effects::of_recorded_stroke().has(effect))
 }
 
 /// Whether the quantity at that index is part of a table, which a study cannot vary.
-pub fn is_of_table(place: usize) -> bool {
-    effect_of(place).is_some_and(|(effect, parameter)| !effects::CARDS[effect].parameters[parameter].is_variable())
+pub fn is_of_table(quantity: usize) -> bool {
+    effect_of(quantity).is_some_and(|(effect, parameter)| !effects::CARDS[effect].parameters[parameter].is_variable())
 }
 
 /// Whether the quantity at that index is a list entry that the effect does not use at these values.
-pub fn is_beyond_table(place: usize, values: &EffectValues) -> bool {
-    let Some((effect, parameter)) = effect_of(place) else { return false };
+pub fn is_beyond_table(quantity: usize, values: &EffectValues) -> bool {
+    let Some((effect, parameter)) = effect_of(quantity) else { return false };
     let card = &effects::CARDS[effect];
     match card.parameters[parameter].kind {
-        Kind::Place { index, .. } => !values.active().has(effect) || index >= (card.length)(values.of(effect)),
+        Kind::ListEntry { index, .. } => !values.active().has(effect) || index >= (card.length)(values.of(effect)),
         Kind::Number | Kind::Word(_) => false,
     }
 }
 
 /// Index among all effects' parameters of the quantity at that index, if it is one.
-pub fn parameter(place: usize) -> Option<usize> {
-    place.checked_sub(BASE)
+pub fn parameter(quantity: usize) -> Option<usize> {
+    quantity.checked_sub(BASE)
 }
 
 /// The effect of the quantity at that index, and the parameter's index on the effect's card.
-pub fn effect_of(place: usize) -> Option<(usize, usize)> {
-    let parameter = parameter(place)?;
+pub fn effect_of(quantity: usize) -> Option<(usize, usize)> {
+    let parameter = parameter(quantity)?;
     let effect = effects::PARAMETER_OFFSETS.partition_point(|offset| *offset <= parameter) - 1;
     Some((effect, parameter - effects::PARAMETER_OFFSETS[effect]))
 }
@@ -202,9 +202,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_base_quantity_stands_at_its_place() {
-        for (place, entry) in BASE_LIST.iter().enumerate() {
-            assert_eq!(entry.0 as usize, place, "{}", entry.1);
+    fn each_base_quantity_is_at_its_index() {
+        for (quantity, entry) in BASE_LIST.iter().enumerate() {
+            assert_eq!(entry.0 as usize, quantity, "{}", entry.1);
         }
     }
 }

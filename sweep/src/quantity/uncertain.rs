@@ -50,7 +50,7 @@ impl Uncertain {
             if sd == 0.0 {
                 continue;
             }
-            let quantity = place(name)
+            let quantity = index_of(name)
                 .ok_or_else(|| format!("has `{name}` in its [uncertainty], which is no number that can vary"))?;
             let allowed = &all()[quantity].allowed;
             let distribution = margin(point.0[quantity], sd, *ci95, allowed);
@@ -89,7 +89,7 @@ pub fn copula(columns: Vec<usize>, correlation: &DMatrix<f64>) -> Result<Copula,
 }
 
 /// Index of the quantity for a name in `[uncertainty]`.
-fn place(name: &str) -> Option<usize> {
+fn index_of(name: &str) -> Option<usize> {
     let base = match name {
         "lambda0_w_per_m2_k" => Base::Coefficient,
         "dead_volume_m3" => Base::DeadVolume,
@@ -129,7 +129,7 @@ mod tests {
     const ANY: Allowed = Allowed::AtLeast(0.0);
 
     #[test]
-    fn the_interval_says_on_which_scale_a_parameter_was_fitted() {
+    fn the_interval_shows_on_which_scale_a_parameter_was_fitted() {
         let (value, sd) = (30.0f64, 6.0f64);
         let logarithmic = [value / (NORMAL_95 * sd / value).exp(), value * (NORMAL_95 * sd / value).exp()];
         assert!(matches!(margin(value, sd, logarithmic, &ANY), Distribution::LogNormal { median: 30.0, .. }));
@@ -151,8 +151,8 @@ mod tests {
                     [value - NORMAL_95 * sd, value + NORMAL_95 * sd]
                 };
                 let distribution = margin(value, sd, ci95, &ANY);
-                for (share, end) in [(0.025, ci95[0]), (0.975, ci95[1])] {
-                    assert!((distribution.quantile(share) / end - 1.0).abs() < 1e-6, "{distribution:?}");
+                for (probability, end) in [(0.025, ci95[0]), (0.975, ci95[1])] {
+                    assert!((distribution.quantile(probability) / end - 1.0).abs() < 1e-6, "{distribution:?}");
                 }
             }
         }

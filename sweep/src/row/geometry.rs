@@ -145,8 +145,8 @@ mod tests {
             for (bore, rod, dead) in [(0.02, 0.0, 0.0), (0.063, 0.02, 2e-5), (0.032, 0.012, 1e-3), (0.02, 0.0, 1e-4)] {
                 let geometry = Geometry::new(bore, rod, dead, law);
                 let Range { start, end } = lengths_give([&(bore..=bore), &(rod..=rod), &(dead..=dead)], law);
-                for share in [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6] {
-                    assert!(is_given(start + share * (end - start), &geometry), "{law:?} {bore} {dead} {share}");
+                for fraction in [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6] {
+                    assert!(is_given(start + fraction * (end - start), &geometry), "{law:?} {bore} {dead} {fraction}");
                 }
                 for beyond in [start * (1.0 - 1e-9), end * (1.0 + 1e-9)] {
                     assert!(beyond <= 0.0 || !is_given(beyond, &geometry), "{law:?} {bore} {dead} {beyond}");

@@ -119,11 +119,11 @@ impl<'a> RowSolver<'a> {
     }
 
     /// Solves the points at some indices of their columns into `results`.
-    fn solve(&mut self, points: &[Vec<f64>], places: Range<usize>) {
-        let count = places.len();
+    fn solve(&mut self, points: &[Vec<f64>], indices: Range<usize>) {
+        let count = indices.len();
         let mut impossible = Vec::new();
-        for (i, place) in places.enumerate() {
-            self.study.vary(&mut self.point, points, place);
+        for (i, index) in indices.enumerate() {
+            self.study.vary(&mut self.point, points, index);
             let scenario = &mut self.scenarios[i];
             if let Err(status) = row::set_scenario(self.study, &self.point, scenario) {
                 impossible.push((i, status));

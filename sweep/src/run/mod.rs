@@ -29,7 +29,7 @@ use publish::{Finished, publishing};
 use rayon::prelude::*;
 use serde_json::Value;
 use shard::Shard;
-use work::{Place, Work, Workers};
+use work::{Destination, Work, Workers};
 
 /// Parts written by a run, and what it keeps and reuses.
 #[derive(Clone, Copy, Debug)]
@@ -233,8 +233,8 @@ fn write(
     let one = |part: u64| -> Result<Finished<'_>, Error> {
         let extra = [("shard", options.shard.to_string()), ("part", part.to_string())];
         let path = folder.path(&folder.part_file(part));
-        let place = options.rows.then_some(Place { path: &path, staging: &staging, extra: &extra });
-        let written = work.write(study.rows_of(part), place.as_ref())?;
+        let destination = options.rows.then_some(Destination { path: &path, staging: &staging, extra: &extra });
+        let written = work.write(study.rows_of(part), destination.as_ref())?;
         let digest = written.file.as_ref().map(|file| file.digest().clone());
         let record = folder.record(part, written.statuses, digest, written.statistics);
         Ok(Finished { folder, part, record, file: written.file })
@@ -250,9 +250,9 @@ fn write(
 /// rate so far predicts the rest, even if one end of an axis is slow.
 fn scattered(parts: &[u64]) -> Vec<u64> {
     let bits = parts.len().next_power_of_two().trailing_zeros();
-    let places =
+    let indices =
         (0..parts.len().next_power_of_two()).map(|i| i.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0));
-    places.filter_map(|place| parts.get(place).copied()).collect()
+    indices.filter_map(|index| parts.get(index).copied()).collect()
 }
 
 #[cfg(test)]

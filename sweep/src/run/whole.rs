@@ -1,7 +1,7 @@
 //! A whole study as one file or in memory, or only its statistics.
 
 use super::shard::Shard;
-use super::work::{Place, Work};
+use super::work::{Destination, Work};
 use crate::error::Error;
 use crate::part;
 use crate::part::new_file::keep_memory;
@@ -27,8 +27,8 @@ pub fn run_to_file(study: &Study, path: &Path, progress: &dyn Progress) -> Resul
     let extra = [("shard", Shard::WHOLE.to_string()), ("part", "0".to_owned())];
     keep_memory();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let place = Place { path, staging: folder, extra: &extra };
-    let written = Work::new(study, progress).write(0..study.rows, Some(&place))?;
+    let destination = Destination { path, staging: folder, extra: &extra };
+    let written = Work::new(study, progress).write(0..study.rows, Some(&destination))?;
     if let Some(file) = written.file {
         file.publish(&Local::new(folder), &path.file_name().unwrap_or_default().to_string_lossy())?;
     }

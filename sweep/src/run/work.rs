@@ -29,7 +29,7 @@ pub enum Workers {
 }
 
 /// Destination of a part's rows.
-pub struct Place<'a> {
+pub struct Destination<'a> {
     /// Final path of the file, for error messages.
     pub path: &'a Path,
     /// The folder it is written in until complete.
@@ -59,27 +59,27 @@ impl<'a> Work<'a> {
         Self { study, plan: None, earlier: None, workers: Workers::All, progress }
     }
 
-    /// Computes some rows of the study, into a new, still unpublished file if there is a place for one.
+    /// Computes some rows of the study, into a new, still unpublished file if a destination is given.
     ///
     /// # Errors
     /// The file cannot be written, or a table of points cannot be read; nothing is left behind.
-    pub fn write(&self, rows: Range<u64>, place: Option<&Place<'_>>) -> Result<Written, Error> {
+    pub fn write(&self, rows: Range<u64>, destination: Option<&Destination<'_>>) -> Result<Written, Error> {
         let study = self.study;
         let schema = columns::schema(study);
-        let create = |place: &Place<'_>| {
-            let properties = encoding::properties(study, &schema, place.extra);
-            NewFile::create(place.staging, place.path, schema.clone(), properties)
+        let create = |destination: &Destination<'_>| {
+            let properties = encoding::properties(study, &schema, destination.extra);
+            NewFile::create(destination.staging, destination.path, schema.clone(), properties)
         };
-        let mut file = place.map(create).transpose()?;
+        let mut file = destination.map(create).transpose()?;
         let mut statuses = Statuses::new(study);
-        let mut statistics = self.plan.map(|plan| (plan, State::new(plan), places(study, plan)));
+        let mut statistics = self.plan.map(|plan| (plan, State::new(plan), column_indices(study, plan)));
         let mut source = Source::new(*self, &rows);
         let together = if self.workers == Workers::All { CHUNKS_PER_THREAD * rayon::current_num_threads() } else { 1 };
         for wave in chunks(rows).chunks(together) {
             for rows in source.rows(wave) {
                 let rows = rows?;
-                if let Some((plan, state, places)) = &mut statistics {
-                    state.add(plan, rows.first, places.iter().map(|place| rows.outputs[*place].as_slice()));
+                if let Some((plan, state, indices)) = &mut statistics {
+                    state.add(plan, rows.first, indices.iter().map(|index| rows.outputs[*index].as_slice()));
                 }
                 match &mut file {
                     Some(file) => file.write(&columns::batch(study, &schema, rows, &mut statuses)?)?,
@@ -133,14 +133,14 @@ impl<'a> Source<'a> {
 }
 
 /// Indices of a plan's columns among the study's computed ones.
-fn places(study: &Study, plan: &Plan) -> Vec<usize> {
-    let place = |name: &String| study.outputs().position(|output| output.name == name);
-    plan.columns.iter().filter_map(place).collect()
+fn column_indices(study: &Study, plan: &Plan) -> Vec<usize> {
+    let index = |name: &String| study.outputs().position(|output| output.name == name);
+    plan.columns.iter().filter_map(index).collect()
 }
 
 /// A part after its rows were computed.
 pub struct Written {
-    /// Their file, still to be published, if there was a place for one.
+    /// Their file, still to be published, if there was a destination for one.
     pub file: Option<Ended>,
     /// Number of rows with each status.
     pub statuses: StatusCounts,

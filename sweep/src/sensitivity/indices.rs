@@ -46,8 +46,8 @@ fn from_sums(scheme: Scheme, sums: &[f64]) -> Vec<f64> {
     let mean = sums[1] / (2.0 * n);
     let variance = sums[2] / (2.0 * n) - mean * mean;
     let mut indices: Vec<f64> = sums[3..].iter().map(|sum| sum / n / variance).collect();
-    for (place, (i, j)) in scheme.pairs().enumerate() {
-        indices[2 * scheme.axes + place] -= indices[i] + indices[j];
+    for (pair, (i, j)) in scheme.pairs().enumerate() {
+        indices[2 * scheme.axes + pair] -= indices[i] + indices[j];
     }
     indices
 }
@@ -142,11 +142,12 @@ impl Sums {
             from_sums(self.scheme, &rest)
         };
         let left: Vec<(f64, Vec<f64>)> = replicates.iter().map(|sums| (sums[0] / whole[0], without(sums))).collect();
-        let half_width = |(place, value): (usize, &f64)| {
-            let jackknife = groups * value - left.iter().map(|(share, rest)| (1.0 - share) * rest[place]).sum::<f64>();
-            let squares = left.iter().map(|(share, rest)| {
-                let times = 1.0 / share;
-                let pseudo = times * value - (times - 1.0) * rest[place];
+        let half_width = |(index, value): (usize, &f64)| {
+            let jackknife =
+                groups * value - left.iter().map(|(fraction, rest)| (1.0 - fraction) * rest[index]).sum::<f64>();
+            let squares = left.iter().map(|(fraction, rest)| {
+                let times = 1.0 / fraction;
+                let pseudo = times * value - (times - 1.0) * rest[index];
                 (pseudo - jackknife).powi(2) / (times - 1.0)
             });
             student.inverse_cdf(0.975) * (squares.sum::<f64>() / groups).sqrt()
@@ -241,9 +242,9 @@ mod tests {
                     *covered += u32::from((found[0] - exact).abs() <= found[1]);
                 }
             }
-            let share = f64::from(covered.iter().sum::<u32>()) / 2400.0;
-            println!("{samples} samples: {share}, each index {covered:?} of 400");
-            assert!((0.93..=0.97).contains(&share), "{samples} samples: {share}");
+            let fraction = f64::from(covered.iter().sum::<u32>()) / 2400.0;
+            println!("{samples} samples: {fraction}, each index {covered:?} of 400");
+            assert!((0.93..=0.97).contains(&fraction), "{samples} samples: {fraction}");
         }
     }
 }

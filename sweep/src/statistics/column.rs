@@ -40,22 +40,22 @@ impl Column {
     /// Adds rows from `first_row` on, with NaN for missing values.
     pub fn add(&mut self, bins: Option<Bins>, first_row: u64, values: &[f64]) {
         if let Some(moments) = Moments::of(values).filter(Moments::is_finite) {
-            self.add_finite(bins, values, moments, |place| first_row + place as u64);
+            self.add_finite(bins, values, moments, |index| first_row + index as u64);
             return;
         }
         let numbered = (first_row..).zip(values.iter().copied());
         let (rows, finite): (Vec<u64>, Vec<f64>) = numbered.filter(|(_, value)| value.is_finite()).unzip();
         self.nulls += (values.len() - finite.len()) as u64;
         if let Some(moments) = Moments::of(&finite) {
-            self.add_finite(bins, &finite, moments, |place| rows[place]);
+            self.add_finite(bins, &finite, moments, |index| rows[index]);
         }
     }
 
     fn add_finite(&mut self, bins: Option<Bins>, values: &[f64], moments: Moments, row: impl Fn(usize) -> u64) {
         let Moments { count, mean, squares, least, most } = moments;
         let first = |wanted: f64| {
-            let place = values.iter().position(|value| *value == wanted).unwrap_or(0);
-            Extreme { value: wanted, row: row(place) }
+            let index = values.iter().position(|value| *value == wanted).unwrap_or(0);
+            Extreme { value: wanted, row: row(index) }
         };
         if self.minimum.is_none_or(|so_far| least < so_far.value) {
             self.minimum = Some(first(least));
@@ -66,14 +66,14 @@ impl Column {
         self.sketch.add(values, least, most);
         if let Some(Bins { from, to, bins }) = bins {
             for &value in values {
-                let place = if value < from {
+                let bin = if value < from {
                     0
                 } else if value > to {
                     bins + 1
                 } else {
                     1 + (((value - from) / (to - from) * bins as f64) as u64).min(bins - 1)
                 };
-                self.bins[place as usize] += 1;
+                self.bins[bin as usize] += 1;
             }
         }
         self.merge_moments(count, mean, squares);

@@ -52,9 +52,9 @@ impl State {
             column.add(plan.bins(name), first_row, values);
         }
         let (Some(goals), Some(front)) = (&plan.pareto, &mut self.front) else { return };
-        let place = |name: &str| plan.columns.iter().position(|column| column == name);
+        let index = |name: &str| plan.columns.iter().position(|column| column == name);
         let wanted: Vec<(&[f64], f64)> =
-            goals.columns().filter_map(|(name, sign)| Some((*values.get(place(name)?)?, sign))).collect();
+            goals.columns().filter_map(|(name, sign)| Some((*values.get(index(name)?)?, sign))).collect();
         let mut point = Vec::with_capacity(wanted.len());
         for (i, row) in (first_row..).take(values.first().map_or(0, |column| column.len())).enumerate() {
             point.clear();

@@ -102,11 +102,11 @@ mod tests {
 
         #[test]
         fn a_number_that_is_none_is_found_wherever_it_stands(
-            mut values in prop::collection::vec(-1e6..1e6f64, 1..100), place in 0..100usize,
+            mut values in prop::collection::vec(-1e6..1e6f64, 1..100), index in 0..100usize,
             wrong in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
         ) {
-            let place = place % values.len();
-            values[place] = wrong;
+            let index = index % values.len();
+            values[index] = wrong;
             prop_assert!(!Moments::of(&values).unwrap().is_finite());
         }
     }

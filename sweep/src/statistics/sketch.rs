@@ -29,7 +29,7 @@ pub const ERROR: f64 = 1.0 / (1u64 << (DIGITS + 1)) as f64;
 #[serde(try_from = "Stored", into = "Stored")]
 pub struct Sketch {
     /// Number of dropped digits.
-    left_out: u32,
+    dropped_digits: u32,
     /// Counts of consecutive buckets from this one on, which contain most numbers: counting is fast there.
     first: u64,
     window: Vec<u64>,
@@ -52,8 +52,8 @@ pub struct Quantile {
 impl Sketch {
     /// Counts finite numbers with known minimum and maximum.
     pub fn add(&mut self, values: &[f64], least: f64, most: f64) {
-        let left_out = self.left_out;
-        let bucket = |value: f64| place(value) >> left_out;
+        let dropped_digits = self.dropped_digits;
+        let bucket = |value: f64| ordered_bits(value) >> dropped_digits;
         if bucket(least) == bucket(most) {
             self.count(bucket(least), values.len() as u64);
         } else {
@@ -64,10 +64,10 @@ impl Sketch {
 
     /// Counts the numbers of another sketch.
     pub fn merge(&mut self, other: &Self) {
-        if other.left_out > self.left_out {
-            self.leave_out(other.left_out, self.sorted());
+        if other.dropped_digits > self.dropped_digits {
+            self.drop_digits(other.dropped_digits, self.sorted());
         }
-        let more = self.left_out - other.left_out;
+        let more = self.dropped_digits - other.dropped_digits;
         other.counts().for_each(|(bucket, count)| self.count(bucket >> more, count));
         self.bring_down();
     }
@@ -106,37 +106,37 @@ impl Sketch {
     /// Drops the digits needed to have at most [`MOST`] buckets, as far as allowed.
     fn bring_down(&mut self) {
         let in_window = || self.window.iter().filter(|count| **count > 0).count();
-        if self.left_out == COARSEST || in_window() + self.beyond.len() <= MOST {
+        if self.dropped_digits == COARSEST || in_window() + self.beyond.len() <= MOST {
             return;
         }
         let sorted = self.sorted();
         // Two neighbours merge when the highest digit in which they differ is dropped.
         let mut apart_by = [0; u64::BITS as usize];
         sorted.windows(2).for_each(|two| apart_by[(two[0].0 ^ two[1].0).ilog2() as usize] += 1);
-        let (mut buckets, mut left_out) = (sorted.len(), self.left_out);
+        let (mut buckets, mut dropped_digits) = (sorted.len(), self.dropped_digits);
         for joined in apart_by {
-            if buckets <= MOST || left_out == COARSEST {
+            if buckets <= MOST || dropped_digits == COARSEST {
                 break;
             }
             buckets -= joined;
-            left_out += 1;
+            dropped_digits += 1;
         }
-        self.leave_out(left_out, sorted);
+        self.drop_digits(dropped_digits, sorted);
     }
 
     /// Drops digits from these buckets, which are this sketch's, sorted by value, until `digits` are dropped.
-    fn leave_out(&mut self, digits: u32, sorted: Vec<(u64, u64)>) {
-        let more = digits - self.left_out;
+    fn drop_digits(&mut self, digits: u32, sorted: Vec<(u64, u64)>) {
+        let more = digits - self.dropped_digits;
         *self = Self::of(digits, sorted.into_iter().map(|(bucket, count)| (bucket >> more, count)).collect());
     }
 
     /// A sketch with these buckets and counts, sorted by value, and the window centred on them.
-    fn of(left_out: u32, sorted: Vec<(u64, u64)>) -> Self {
+    fn of(dropped_digits: u32, sorted: Vec<(u64, u64)>) -> Self {
         let middle = sorted.get(sorted.len() / 2).map_or(0, |(bucket, _)| *bucket);
         // Few numbers need no window.
-        let window = vec![0; if left_out > 0 { WINDOW } else { 0 }];
+        let window = vec![0; if dropped_digits > 0 { WINDOW } else { 0 }];
         let first = middle.saturating_sub(window.len() as u64 / 2);
-        let mut sketch = Self { left_out, first, window, beyond: HashMap::default() };
+        let mut sketch = Self { dropped_digits, first, window, beyond: HashMap::default() };
         sorted.into_iter().for_each(|(bucket, count)| sketch.count(bucket, count));
         sketch
     }
@@ -165,8 +165,8 @@ impl Sketch {
             below > rank
         });
         let Some((bucket, _)) = bucket else { return Quantile { value: f64::NAN, error: f64::NAN } };
-        let first = bucket << self.left_out;
-        let (low, high) = (value(first), value(first | ((1 << self.left_out) - 1)));
+        let first = bucket << self.dropped_digits;
+        let (low, high) = (value(first), value(first | ((1 << self.dropped_digits) - 1)));
         // Zero shares its bucket with numbers smaller than any result.
         let half = if low == 0.0 { 0.0 } else { 0.5 * (high - low) };
         Quantile { value: low + half, error: half }
@@ -176,26 +176,27 @@ impl Sketch {
 impl PartialEq for Sketch {
     /// Independent of the position of the window.
     fn eq(&self, other: &Self) -> bool {
-        (self.left_out, self.sorted()) == (other.left_out, other.sorted())
+        (self.dropped_digits, self.sorted()) == (other.dropped_digits, other.sorted())
     }
 }
 
 /// Maps a number to an integer in the same order.
-fn place(value: f64) -> u64 {
+fn ordered_bits(value: f64) -> u64 {
     // Both zeros map to the same integer.
     let bits = (value + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
-/// The number of an integer from [`place`].
-fn value(place: u64) -> f64 {
-    f64::from_bits(if place >> 63 == 1 { place & !(1 << 63) } else { !place })
+/// The number of an integer from [`ordered_bits`].
+fn value(bits: u64) -> f64 {
+    f64::from_bits(if bits >> 63 == 1 { bits & !(1 << 63) } else { !bits })
 }
 
 /// Sorted buckets, each with its distance from the previous one and its count.
 #[derive(Serialize, Deserialize)]
 struct Stored {
-    left_out: u32,
+    #[serde(rename = "left_out")]
+    dropped_digits: u32,
     buckets: Vec<(u64, u64)>,
 }
 
@@ -206,24 +207,24 @@ impl From<Sketch> for Stored {
         for (bucket, _) in &mut buckets {
             (before, *bucket) = (*bucket, *bucket - before);
         }
-        Self { left_out: sketch.left_out, buckets }
+        Self { dropped_digits: sketch.dropped_digits, buckets }
     }
 }
 
 impl TryFrom<Stored> for Sketch {
     type Error = &'static str;
 
-    fn try_from(Stored { left_out, buckets }: Stored) -> Result<Self, Self::Error> {
-        if left_out > COARSEST {
+    fn try_from(Stored { dropped_digits, buckets }: Stored) -> Result<Self, Self::Error> {
+        if dropped_digits > COARSEST {
             return Err("more digits are left out than there can be");
         }
         let mut at = 0u64;
         let mut next = |(distance, count): (u64, u64)| {
-            at = at.checked_add(distance).filter(|at| *at <= u64::MAX >> left_out)?;
+            at = at.checked_add(distance).filter(|at| *at <= u64::MAX >> dropped_digits)?;
             Some((at, count))
         };
         let sorted = buckets.into_iter().map(&mut next).collect::<Option<_>>();
-        Ok(Self::of(left_out, sorted.ok_or("a bucket lies beyond all numbers")?))
+        Ok(Self::of(dropped_digits, sorted.ok_or("a bucket lies beyond all numbers")?))
     }
 }
 
@@ -259,7 +260,7 @@ mod tests {
     fn values() -> impl Strategy<Value = Vec<f64>> {
         let wide = prop_oneof![Just(0.0), (-12.0..12.0f64).prop_map(|e| 10f64.powf(e)), -1.0..1.0f64];
         let close = (1u32..20_000, -1e6..1e6f64, 0.0..1e3f64);
-        let close = close.prop_map(|(count, from, width)| even(count).map(|share| from + width * share).collect());
+        let close = close.prop_map(|(count, from, width)| even(count).map(|offset| from + width * offset).collect());
         prop_oneof![prop::collection::vec(wide, 1..300), close]
     }
 
@@ -290,7 +291,7 @@ mod tests {
 
     #[test]
     fn as_many_different_numbers_as_buckets_have_exact_quantiles_and_one_more_has_not() {
-        let values: Vec<f64> = even(MOST as u32 + 1).map(|share| 1e6 + share).collect();
+        let values: Vec<f64> = even(MOST as u32 + 1).map(|offset| 1e6 + offset).collect();
         let mut sorted = values[..MOST].to_vec();
         let mut sketch = of(&[sorted.clone(), sorted.clone()].concat());
         sorted.sort_by(f64::total_cmp);
@@ -302,7 +303,7 @@ mod tests {
     #[test]
     fn the_error_follows_the_spread_of_the_numbers_and_not_their_size_or_a_stray_one() {
         // Two quantiles 825 Pa apart near 1e6 Pa, and an outlier.
-        let mut values: Vec<f64> = even(300_000).map(|share| 1e6 + 825.0 / 0.95 * share).collect();
+        let mut values: Vec<f64> = even(300_000).map(|offset| 1e6 + 825.0 / 0.95 * offset).collect();
         values.push(3.7);
         let sketch = of(&values);
         let [low, high] = [0.025, 0.975].map(|p| quantile(&sketch, p));

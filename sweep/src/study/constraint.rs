@@ -73,7 +73,7 @@ impl Term {
     fn value(&self, point: &Point, scenario: &Scenario) -> f64 {
         match self {
             Term::Number(number) => *number,
-            Term::Quantity(place) => quantity_of(*place, point, scenario),
+            Term::Quantity(quantity) => quantity_of(*quantity, point, scenario),
             Term::Geometry(geometry) => geometry.value(scenario),
             Term::Negative(term) => -term.value(point, scenario),
             Term::Two(left, operator, right) => {
@@ -95,7 +95,7 @@ impl Term {
             [Bore, Rod, DeadVolume, InitialStroke, FinalStroke, VolumeToArea, VolumeToAreaByLength];
         match self {
             Term::Number(_) => {}
-            Term::Quantity(place) => found.push(*place),
+            Term::Quantity(quantity) => found.push(*quantity),
             Term::Geometry(_) => found.extend(SHAPE.map(|base| base as usize)),
             Term::Negative(term) => term.quantities(found),
             Term::Two(left, _, right) => [left, right].into_iter().for_each(|term| term.quantities(found)),
@@ -104,8 +104,8 @@ impl Term {
 }
 
 /// A quantity of a row: the solved value if there is one, else the point's.
-fn quantity_of(place: usize, point: &Point, scenario: &Scenario) -> f64 {
-    let is = |base: Base| place == base as usize;
+fn quantity_of(quantity: usize, point: &Point, scenario: &Scenario) -> f64 {
+    let is = |base: Base| quantity == base as usize;
     match () {
         () if is(Base::Bore) => scenario.chamber.geometry.bore,
         () if is(Base::InitialStroke) => scenario.initial_position_m,
@@ -114,7 +114,7 @@ fn quantity_of(place: usize, point: &Point, scenario: &Scenario) -> f64 {
         () if is(Base::TemperatureIn) => scenario.temperature_in_k,
         () if is(Base::VolumeToArea) || is(Base::VolumeToAreaByLength) => Geometry::VolumeToArea.value(scenario),
         () if is(Base::Duration) => scenario.duration_s,
-        () => point.0[place],
+        () => point.0[quantity],
     }
 }
 

@@ -42,7 +42,7 @@ pub struct Study {
     /// The model, which supplies everything that does not vary.
     pub model: Model,
     /// The model's effects ignored here: those on the stroke record, as a study's stroke is the true one.
-    pub left_out: EffectSet,
+    pub excluded: EffectSet,
     /// Values of all quantities that do not vary.
     pub base: Point,
     /// The varied quantities, in column order.
@@ -120,10 +120,10 @@ impl Study {
     fn fixed(&self) -> Map<String, Value> {
         let mut fixed = Map::new();
         let effects = self.effects();
-        for (place, q) in quantity::all().iter().enumerate() {
-            let value = self.base.0[place];
-            let effect_is_off = quantity::effect_of(place).is_some_and(|(effect, _)| !effects.has(effect));
-            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == place) {
+        for (index, q) in quantity::all().iter().enumerate() {
+            let value = self.base.0[index];
+            let effect_is_off = quantity::effect_of(index).is_some_and(|(effect, _)| !effects.has(effect));
+            if value.is_finite() && !effect_is_off && !self.varied.iter().any(|v| v.quantity == index) {
                 fixed.insert(q.name.clone(), json!(value));
             }
         }

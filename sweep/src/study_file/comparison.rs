@@ -146,7 +146,7 @@ fn named(name: &str) -> Result<Term, String> {
         return Ok(Term::Geometry(*geometry));
     }
     match names::find(name) {
-        Ok(place) => Ok(Term::Quantity(place)),
+        Ok(quantity) => Ok(Term::Quantity(quantity)),
         Err(_) if outputs::is_output(name) => {
             Err(format!("names the result {name}, which is not known before the row is solved"))
         }
@@ -155,7 +155,7 @@ fn named(name: &str) -> Result<Term, String> {
             let near = records::nearest(name, known).filter(|known| known.starts_with(name));
             Err(match near {
                 Some(near) => format!("names `{name}`, which is no quantity; did you mean `{near}`?"),
-                None => format!("names `{name}`, which {}", reason.words(name)),
+                None => format!("names `{name}`, which {}", reason.message(name)),
             })
         }
     }
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_constraint_is_said() {
+    fn what_is_no_constraint_is_refused_with_the_reason() {
         for (text, expected) in [
             ("", "ends; expected a number or a quantity"),
             ("1", "compares nothing"),

@@ -34,21 +34,26 @@ pub fn read(vary: &Section<'_>, design: &Design, base: &Point, varied: &[Varied]
             "make quantities depend on each other, but the indices of a \"saltelli\" design are of independent ones: take \"sobol\" or \"latin-hypercube\"",
         ));
     }
-    let varies = |place: &usize| varied.iter().any(|v| v.quantity == *place);
+    let varies = |quantity: &usize| varied.iter().any(|v| v.quantity == *quantity);
     // Quantities that each row has although neither given nor varied, and those they are derived from.
-    let follows =
-        |place: &usize| FOLLOWING.iter().find(|(base, _)| *base as usize == *place).map_or(&[][..], |(_, from)| *from);
+    let follows = |quantity: &usize| {
+        FOLLOWING.iter().find(|(base, _)| *base as usize == *quantity).map_or(&[][..], |(_, from)| *from)
+    };
     let parsed = |text: &&str| {
         let refuse = |why: String| entry.because(format!("has \"{text}\", which {why}"));
         let constraint = comparison::parse(text).map_err(refuse)?;
         let quantities = constraint.quantities();
-        if !quantities.iter().any(|place| varies(place) || follows(place).iter().any(|base| varies(&(*base as usize))))
+        if !quantities
+            .iter()
+            .any(|quantity| varies(quantity) || follows(quantity).iter().any(|base| varies(&(*base as usize))))
         {
             return Err(refuse("depends on nothing that varies".into()));
         }
-        let given = |place: &usize| !base.0[*place].is_nan() || varies(place) || !follows(place).is_empty();
-        match quantities.iter().find(|place| !given(place)) {
-            Some(place) => Err(refuse(format!("names {}; this study does not set it", quantity::all()[*place].name))),
+        let given = |quantity: &usize| !base.0[*quantity].is_nan() || varies(quantity) || !follows(quantity).is_empty();
+        match quantities.iter().find(|quantity| !given(quantity)) {
+            Some(quantity) => {
+                Err(refuse(format!("names {}; this study does not set it", quantity::all()[*quantity].name)))
+            }
             None => Ok(constraint),
         }
     };

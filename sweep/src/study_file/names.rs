@@ -18,7 +18,7 @@ pub enum NotFound {
 
 impl NotFound {
     /// Why `name` denotes no quantity, in words that follow it.
-    pub fn words(&self, name: &str) -> String {
+    pub fn message(&self, name: &str) -> String {
         match self {
             NotFound::OfRecordedStroke => {
                 "belongs to an effect on the record of a stroke; a study's stroke is the true one, so it changes nothing"
@@ -154,11 +154,11 @@ mod tests {
     fn every_parameter_of_every_effect_can_be_varied_but_for_those_of_a_recorded_stroke_and_of_a_table() {
         for (index, card) in effects::all() {
             for (offset, p) in card.parameters.iter().enumerate() {
-                let place = BASE + effects::PARAMETER_OFFSETS[index] + offset;
+                let quantity = BASE + effects::PARAMETER_OFFSETS[index] + offset;
                 let expected = match effects::of_recorded_stroke().has(index) {
                     true => Err(NotFound::OfRecordedStroke),
                     false if !p.is_variable() => Err(NotFound::OfTable),
-                    false => Ok(place),
+                    false => Ok(quantity),
                 };
                 assert_eq!(find(&format!("effect.{}.{}", card.name, p.key())), expected);
             }

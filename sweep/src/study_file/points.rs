@@ -46,11 +46,11 @@ impl Points<'_> {
     ) -> Result<(), Error> {
         let Self { design, varied, entries, .. } = self;
         let is_beyond = |v: &Varied| quantity::is_beyond_table(v.quantity, &model.chamber.effects);
-        if let Some(place) = varied.iter().position(is_beyond) {
+        if let Some(index) = varied.iter().position(is_beyond) {
             let message = "is beyond the entries of the model's table: add an entry to the model to vary it";
-            return Err(match entries.get(place) {
+            return Err(match entries.get(index) {
                 Some(entry) => entry.because(message),
-                None => Error::Option(format!("{}: column `{}` {message}", path.display(), varied[place].column)),
+                None => Error::Option(format!("{}: column `{}` {message}", path.display(), varied[index].column)),
             });
         }
         if let Design::Table(table) = design {
@@ -182,18 +182,18 @@ fn table<'a>(study: &Section<'a>, vary: &Section<'a>, path: &Path) -> Result<Poi
     }
     let mut list: Vec<Varied> = Vec::new();
     for name in table.names() {
-        let place = names::find(name).map_err(|reason| {
+        let quantity = names::find(name).map_err(|reason| {
             let picks = match reason {
                 NotFound::Unknown(None) => "; `columns = [...]` in the study picks columns",
                 _ => "",
             };
-            Error::table(&file, format!("column `{name}` {}{picks}", reason.words(name)))
+            Error::table(&file, format!("column `{name}` {}{picks}", reason.message(name)))
         })?;
-        if list.iter().any(|v| v.quantity == place) {
+        if list.iter().any(|v| v.quantity == quantity) {
             let message = format!("column `{name}` is a quantity that another column holds already");
             return Err(Error::table(&file, message));
         }
-        list.push(varied(name, place));
+        list.push(varied(name, quantity));
     }
     let both = |a: Base, b: Base| [a, b].iter().all(|base| list.iter().any(|v| v.quantity == *base as usize));
     for (a, b) in [

@@ -74,7 +74,7 @@ impl Study {
             }
         };
         let uncertain = Uncertain::of(&model);
-        let left_out = model.leave_out_recorded_stroke();
+        let excluded = model.exclude_recorded_stroke_effects();
         let name = study.get("name").map(|e| e.text()).transpose()?.map_or_else(|| stem(path), str::to_owned);
         let seed = study.get("seed").map(|e| e.whole(0)).transpose()?.unwrap_or(0);
         let fit = study.get("fit").map(|e| e.flag()).transpose()?.unwrap_or(true);
@@ -100,7 +100,7 @@ impl Study {
         let path = path.to_owned();
         #[rustfmt::skip]
         let study = Study {
-            name, path, model, left_out, base, varied, design, constraints, seed, rows, fit, solver, tolerance, parts, statistics: None,
+            name, path, model, excluded, base, varied, design, constraints, seed, rows, fit, solver, tolerance, parts, statistics: None,
             samples, table_sha256, notes,
         };
         if let Some(entry) = vary.get(constraints::KEY)

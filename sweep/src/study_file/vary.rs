@@ -65,9 +65,9 @@ pub fn axes<'a>(
 ) -> Result<(Vec<VariedAxis<'a>>, Option<Copula>), Error> {
     let mut found: Vec<VariedAxis<'a>> = Vec::new();
     let mut add = |new: VariedAxis<'a>| {
-        let place = new.varied.quantity;
-        if let Some(other) = found.iter().find(|other| other.varied.quantity == place) {
-            let (line, name) = (other.entry.line(), &quantity::all()[place].name);
+        let quantity = new.varied.quantity;
+        if let Some(other) = found.iter().find(|other| other.varied.quantity == quantity) {
+            let (line, name) = (other.entry.line(), &quantity::all()[quantity].name);
             return Err(new.entry.because(format!("repeats {name}, which line {line} varies already")));
         }
         found.push(new);
@@ -82,9 +82,9 @@ pub fn axes<'a>(
             }
             continue;
         }
-        let place = names::find(&name).map_err(|reason| entry.because(reason.words(&name)))?;
-        let (axis, of_model) = axis(entry, place, model)?;
-        add(VariedAxis { entry, varied: varied(&name, place), axis, of_model })?;
+        let quantity = names::find(&name).map_err(|reason| entry.because(reason.message(&name)))?;
+        let (axis, of_model) = axis(entry, quantity, model)?;
+        add(VariedAxis { entry, varied: varied(&name, quantity), axis, of_model })?;
     }
     refuse_contradictions(&found)?;
     let copula = copula(&found, model)?;
@@ -111,9 +111,9 @@ fn copula(found: &[VariedAxis<'_>], model: &Result<Uncertain, String>) -> Result
     let (Some(first), Ok(model)) = (columns.first(), model) else { return Ok(None) };
     let entry = found[*first].entry;
     // In column order.
-    let place = |column: &usize| model.parameters.iter().position(|p| p.quantity == found[*column].varied.quantity);
-    let places: Vec<usize> = columns.iter().filter_map(place).collect();
-    let correlation = model.correlation.select_rows(&places).select_columns(&places);
+    let index = |column: &usize| model.parameters.iter().position(|p| p.quantity == found[*column].varied.quantity);
+    let indices: Vec<usize> = columns.iter().filter_map(index).collect();
+    let correlation = model.correlation.select_rows(&indices).select_columns(&indices);
     uncertain::copula(columns, &correlation)
         .map(Some)
         .map_err(|why| entry.because(format!("cannot be drawn from the model, which {why}")))
@@ -169,7 +169,7 @@ fn leaves<'a>(section: &Section<'a>, prefix: &str) -> Result<Vec<(Field<'a>, Str
 }
 
 /// The values of an entry, and whether they are drawn from the model's uncertainty.
-fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
+fn axis(entry: Field<'_>, quantity: usize, model: &Result<Uncertain, String>) -> Result<(Axis, bool), Error> {
     const FORMS: &str = "{ values = [...] }, { from = ..., to = ..., count = ..., scale = \"linear\" }, \
         { distribution = \"normal\", mean = ..., sd = ... } or { from = \"model\" }";
     let section = Section::new(entry.table().map_err(|_| entry.not(FORMS))?);
@@ -178,9 +178,9 @@ fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Re
         section.get("from");
         from.choice(&[("model", ())])?;
         section.finish()?;
-        return of_model(entry, place, model).map(|axis| (axis, true));
+        return of_model(entry, quantity, model).map(|axis| (axis, true));
     }
-    let allowed = &quantity::all()[place].allowed;
+    let allowed = &quantity::all()[quantity].allowed;
     let axis = match section.get("distribution") {
         Some(name) => drawn(entry, name.choice(&DISTRIBUTIONS)?, &section)?,
         None => listed(entry, &section, FORMS)?,
@@ -197,9 +197,9 @@ fn axis(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Re
 }
 
 /// The model's distribution of a quantity.
-fn of_model(entry: Field<'_>, place: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
+fn of_model(entry: Field<'_>, quantity: usize, model: &Result<Uncertain, String>) -> Result<Axis, Error> {
     let known = known(entry, model)?;
-    let parameter = known.parameters.iter().find(|parameter| parameter.quantity == place).ok_or_else(|| {
+    let parameter = known.parameters.iter().find(|parameter| parameter.quantity == quantity).ok_or_else(|| {
         let names: Vec<_> = known.parameters.iter().map(|p| quantity::all()[p.quantity].name.as_str()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
         entry.because(format!("has no variance in the model's [uncertainty], which knows that of {names}"))

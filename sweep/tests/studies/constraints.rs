@@ -53,7 +53,7 @@ fn rows_that_break_a_constraint_are_left_out_and_counted_and_the_others_stay() {
 }
 
 #[test]
-fn a_constraint_knows_what_is_solved_for() {
+fn a_constraint_can_refer_to_what_is_derived_for_a_row() {
     let vary = "constraints = [\"0.02 < bore_m < 0.05\"]\nvolume_to_area_m = { from = 0.003, to = 0.012, count = 200 }";
     let study = study("design = \"factorial\"\nfit = false", vary);
     let rows = &run_in_memory(&study).unwrap()[0];

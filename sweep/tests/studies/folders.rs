@@ -70,10 +70,10 @@ fn a_flipped_bit_anywhere_in_a_part_is_found_by_verify_and_by_a_second_run() {
     let before = parts(folder.path());
     assert_eq!(verify(&at(&folder)).unwrap().wrong, Vec::<String>::new());
     let length = std::fs::metadata(folder.path().join("rows").join(study.part_name(1))).unwrap().len() as usize;
-    for place in [0, 4, length / 3, length / 2, length - 200, length - 12, length - 1] {
+    for offset in [0, 4, length / 3, length / 2, length - 200, length - 12, length - 1] {
         let path = folder.path().join("rows").join(study.part_name(1));
         let mut bytes = std::fs::read(&path).unwrap();
-        bytes[place] ^= 1 << (place % 8);
+        bytes[offset] ^= 1 << (offset % 8);
         std::fs::write(&path, bytes).unwrap();
         let wrong = verify(&at(&folder)).unwrap().wrong;
         assert_eq!(wrong, ["rows/part-00001-of-00003.parquet: its SHA-256 differs"]);
@@ -198,7 +198,7 @@ fn bytes_of_traces(folder: &std::path::Path) -> String {
 }
 
 #[test]
-fn results_that_an_older_manifest_does_not_name_are_told() {
+fn results_that_an_older_manifest_does_not_name_are_reported() {
     let (study, folder) = (with_results(), tempfile::tempdir().unwrap());
     run(&study, &at(&folder), Shard::WHOLE, &quiet).unwrap();
     let path = folder.path().join("manifest.json");

@@ -97,7 +97,7 @@ fn the_strokes_are_solved_for_a_volume_to_area_ratio_at_a_bore() {
     for (dead_volume, bore) in [(0.0, 0.02), (1.57e-6, 0.032), (2e-5, 0.063)] {
         let vary = format!(
             "volume_to_area_by_length_m = {{ values = [{}] }}\ndead_volume_m3 = {{ values = [{dead_volume}] }}\nbore_m = {{ values = [{bore}] }}",
-            [0.12, 0.16, 0.2, 0.24].map(|share| (share * bore).to_string()).join(", ")
+            [0.12, 0.16, 0.2, 0.24].map(|fraction| (fraction * bore).to_string()).join(", ")
         );
         let study = study("design = \"factorial\"\nfit = false", &vary);
         let batch = &run_in_memory(&study).unwrap()[0];

@@ -11,19 +11,19 @@ use crate::real::Real;
 pub struct Hinges<R = f64> {
     /// The flow below all knots.
     pub first: R,
-    /// The knots; unused entries have zero bend.
+    /// The knots; unused entries have a slope change of zero.
     pub knots: [R; KNOTS],
     /// Change of slope at each knot.
-    pub bends: [R; KNOTS],
+    pub slope_changes: [R; KNOTS],
 }
 
 impl<R: Real> Hinges<R> {
     /// No heat flow.
-    pub const NONE: Self = Self { first: R::ZERO, knots: [R::ZERO; KNOTS], bends: [R::ZERO; KNOTS] };
+    pub const NONE: Self = Self { first: R::ZERO, knots: [R::ZERO; KNOTS], slope_changes: [R::ZERO; KNOTS] };
 
     /// First knot after `from` and before `to`, Pa; `to` if there is none.
     #[inline(always)]
-    pub fn corner(&self, from: R, to: R) -> R {
+    pub fn pressure_kink(&self, from: R, to: R) -> R {
         nearest(&self.knots, from, to)
     }
 }
@@ -37,7 +37,7 @@ impl Hinges {
         let (mut steepness, last) = (0.0, length(p) - 1);
         for k in 0..=last {
             let next = if k < last { (values[k + 1] - values[k]) / (knots[k + 1] - knots[k]) } else { 0.0 };
-            (hinges.knots[k], hinges.bends[k]) = (knots[k], next - steepness);
+            (hinges.knots[k], hinges.slope_changes[k]) = (knots[k], next - steepness);
             steepness = next;
         }
         (is > 0.0).then_some(hinges)

@@ -100,10 +100,10 @@ impl Effect for Empirical {
             return [R::ONE, R::ZERO, R::ZERO];
         }
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
-        let [share, slope] = curve(p, of_pressure.where_positive(pressure, position));
+        let [relative_change, slope] = curve(p, of_pressure.where_positive(pressure, position));
         let slope = is.where_positive(slope, R::ZERO);
         [
-            is.where_positive(share, R::ZERO) + 1.0,
+            is.where_positive(relative_change, R::ZERO) + 1.0,
             of_pressure.where_positive(R::ZERO, slope),
             of_pressure.where_positive(slope, R::ZERO),
         ]
@@ -132,27 +132,27 @@ impl Effect for Empirical {
         is.where_positive(reading + curve(p, reading)[0], reading)
     }
 
-    const BENDS: bool = true;
+    const HAS_READING_KINKS: bool = true;
 
     /// The knots of a curve of the reading.
     #[inline(always)]
-    fn bend<R: Real>(p: &[R], from: R, to: R) -> R {
+    fn reading_kink<R: Real>(p: &[R], from: R, to: R) -> R {
         first_knot(p, says(p[TERM], Term::Reading as usize), from, to)
     }
 
-    const CORNERS: bool = true;
+    const HAS_PRESSURE_KINKS: bool = true;
 
     /// The knots of a curve over the pressure, except for a curve of the reading, which does not act on the gas.
     #[inline(always)]
-    fn corner<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
+    fn pressure_kink<R: Real>(p: &[R], _: R, from: R, to: R) -> R {
         let of_pressure = says(p[VARIABLE], Variable::Pressure as usize);
         first_knot(p, of_pressure.min(-says(p[TERM], Term::Reading as usize)), from, to)
     }
 
-    const KINKS: usize = KNOTS + 1;
+    const KINK_INDICATORS: usize = KNOTS + 1;
 
     /// The knots, and where a flow reverses.
-    fn kinks<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
+    fn kink_indicators<R: Real>(p: &[R], _: &[R], at: &Conditions<R>, _: &Rates<R>, out: &mut [R]) {
         let (x, range) = (variable(p, at), p[FIRST_VALUE - 1] - p[FIRST_KNOT]);
         for (out, knot) in out.iter_mut().zip(&p[FIRST_KNOT..FIRST_VALUE]) {
             *out = range.where_positive((x - *knot) / range, R::ONE);
@@ -195,9 +195,12 @@ mod tests {
             let knots: Vec<f64> = (0..n).map(|k| 1e5 + 3e4 * (k * k) as f64).collect();
             let values: Vec<f64> = (0..n).map(|k| 0.03 - 0.01 * (k % 3) as f64).collect();
             let p = curve_of(Term::HeatFlow, Variable::Pressure, &knots, &values).parameters();
-            let Hinges { first, knots, bends } = Hinges::of(&p).unwrap();
+            let Hinges { first, knots, slope_changes } = Hinges::of(&p).unwrap();
             for x in (0..40).map(|k| 5e4 * f64::from(k)) {
-                let sum = knots.iter().zip(bends).fold(first, |sum, (knot, bend)| sum + bend * (x - knot).max(0.0));
+                let sum = knots
+                    .iter()
+                    .zip(slope_changes)
+                    .fold(first, |sum, (knot, change)| sum + change * (x - knot).max(0.0));
                 assert!((sum - curve(&p, x)[0]).abs() < 1e-14, "{n} {x}: {sum}");
             }
         }
@@ -216,14 +219,14 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_of_the_reading_bends_at_its_knots_and_one_over_the_pressure_has_corners_there() {
-        let places = |term, from: f64, to: f64| {
+    fn a_curve_has_kinks_at_its_knots_in_the_reading_or_in_the_pressure_as_its_term_says() {
+        let kinks = |term, from: f64, to: f64| {
             let p = curve_of(term, Variable::Pressure, &[1e5, 2e5, 4e5], &[0.0, 1e3, 3e3]).parameters();
-            [Empirical::bend(&p, from, to), Empirical::corner(&p, 1e5, from, to)]
+            [Empirical::reading_kink(&p, from, to), Empirical::pressure_kink(&p, 1e5, from, to)]
         };
-        assert_eq!(places(Term::Reading, 1e5, 5e5), [2e5, 5e5]);
-        assert_eq!(places(Term::Reading, 5e5, 1e5), [4e5, 1e5]);
-        assert_eq!(places(Term::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
+        assert_eq!(kinks(Term::Reading, 1e5, 5e5), [2e5, 5e5]);
+        assert_eq!(kinks(Term::Reading, 5e5, 1e5), [4e5, 1e5]);
+        assert_eq!(kinks(Term::HeatFlow, 1e5, 5e5), [5e5, 2e5]);
     }
 
     #[test]
@@ -236,7 +239,7 @@ mod tests {
 
     /// dP/dt from the balance, and from the pressure of states advanced in time.
     fn pressure_rates(curve: &Curve) -> [f64; 2] {
-        let chamber = section_31(AreaLaw::Total).with(Empirical::PLACE, &curve.parameters());
+        let chamber = section_31(AreaLaw::Total).with(Empirical::INDEX, &curve.parameters());
         let boundary = Boundary { velocity: -0.3, ..Boundary::closed(0.08, 293.0, 1.013e5) };
         let state = balance::state_at(&chamber, &boundary, 2.5e5, 340.0);
         let (at, rates, _) = balance::evaluate(chamber.active(), &chamber, &boundary, &state);
@@ -261,8 +264,8 @@ mod tests {
                     _ => ([-1e3, 1e3], [0.0, 0.02]),
                 };
                 let scale = if term == Term::MassFlow { 1e-5 } else { 1.0 };
-                let [said, found] = pressure_rates(&curve_of(term, variable, &knots, &values.map(|v| v * scale)));
-                assert!((said / found - 1.0).abs() < 1e-10, "{term:?} {variable:?}: {said} {found}");
+                let [stated, found] = pressure_rates(&curve_of(term, variable, &knots, &values.map(|v| v * scale)));
+                assert!((stated / found - 1.0).abs() < 1e-10, "{term:?} {variable:?}: {stated} {found}");
             }
         }
     }

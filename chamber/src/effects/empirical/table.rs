@@ -43,10 +43,10 @@ impl Curve {
 
     /// The effect's parameters that encode it.
     pub fn parameters(&self) -> [f64; PARAMETERS] {
-        let place = |found: Option<usize>| found.map_or(0.0, |place| (place + 1) as f64);
+        let number = |index: Option<usize>| index.map_or(0.0, |index| (index + 1) as f64);
         let mut out = [0.0; PARAMETERS];
-        out[TERM] = place(Term::ALL.iter().position(|t| *t == self.term));
-        out[VARIABLE] = place(Variable::ALL.iter().position(|v| *v == self.variable));
+        out[TERM] = number(Term::ALL.iter().position(|t| *t == self.term));
+        out[VARIABLE] = number(Variable::ALL.iter().position(|v| *v == self.variable));
         for (first, list) in [(FIRST_KNOT, &self.knots), (FIRST_VALUE, &self.values)] {
             for k in 0..KNOTS {
                 out[first + k] = list.get(k).or(list.last()).copied().unwrap_or(0.0);
@@ -99,12 +99,12 @@ const fn word(name: &'static str, words: &'static [&'static str], doc: &'static 
     }
 }
 
-const fn place(name: &'static str, index: usize, typical: f64, doc: &'static str) -> Parameter {
+const fn entry(name: &'static str, index: usize, typical: f64, doc: &'static str) -> Parameter {
     let rising = matches!(name.as_bytes(), b"knots");
     Parameter {
         name,
         unit: Unit::OfTable,
-        kind: Kind::Place { index, rising },
+        kind: Kind::ListEntry { index, rising },
         bounds: -1e12..=1e12,
         typical,
         fitted: if rising { Fitted::Never } else { Fitted::Always },
@@ -120,20 +120,20 @@ const VALUE: &str = "The term at that knot, in the balance's unit";
 pub const TABLE: [Parameter; PARAMETERS] = [
     word("balance", &Term::WORDS, "What the term is"),
     word("variable", &Variable::WORDS, "What it follows"),
-    place("knots", 0, 1e5, KNOT),
-    place("knots", 1, 2e5, KNOT),
-    place("knots", 2, 3e5, KNOT),
-    place("knots", 3, 4e5, KNOT),
-    place("knots", 4, 5e5, KNOT),
-    place("knots", 5, 6e5, KNOT),
-    place("knots", 6, 7e5, KNOT),
-    place("knots", 7, 8e5, KNOT),
-    place("values", 0, 0.01, VALUE),
-    place("values", 1, 0.02, VALUE),
-    place("values", 2, 0.03, VALUE),
-    place("values", 3, 0.025, VALUE),
-    place("values", 4, 0.02, VALUE),
-    place("values", 5, 0.04, VALUE),
-    place("values", 6, 0.05, VALUE),
-    place("values", 7, 0.045, VALUE),
+    entry("knots", 0, 1e5, KNOT),
+    entry("knots", 1, 2e5, KNOT),
+    entry("knots", 2, 3e5, KNOT),
+    entry("knots", 3, 4e5, KNOT),
+    entry("knots", 4, 5e5, KNOT),
+    entry("knots", 5, 6e5, KNOT),
+    entry("knots", 6, 7e5, KNOT),
+    entry("knots", 7, 8e5, KNOT),
+    entry("values", 0, 0.01, VALUE),
+    entry("values", 1, 0.02, VALUE),
+    entry("values", 2, 0.03, VALUE),
+    entry("values", 3, 0.025, VALUE),
+    entry("values", 4, 0.02, VALUE),
+    entry("values", 5, 0.04, VALUE),
+    entry("values", 6, 0.05, VALUE),
+    entry("values", 7, 0.045, VALUE),
 ];

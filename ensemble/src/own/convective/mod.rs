@@ -57,7 +57,7 @@ pub struct ConvectiveTest {
 
 /// n.
 fn exponent(scenario: &Scenario) -> f64 {
-    scenario.chamber.effects.of(NaturalConvection::PLACE)[0]
+    scenario.chamber.effects.of(NaturalConvection::INDEX)[0]
 }
 
 /// Whether the heat flow has a rate of change everywhere: with n below zero the gas comes to the wall's temperature at once.

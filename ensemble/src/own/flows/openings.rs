@@ -70,7 +70,7 @@ impl Law for Orifice {
 
     fn passage(s: &Scenario) -> Passage {
         let effects = &s.chamber.effects;
-        let (leak, supply) = (effects.of(Leakage::PLACE), effects.of(SupplyLeakage::PLACE));
+        let (leak, supply) = (effects.of(Leakage::INDEX), effects.of(SupplyLeakage::INDEX));
         let (conductance, pressure, critical_ratio) =
             if leak[0] != 0.0 { (leak[0], s.ambient_pressure_pa, leak[1]) } else { (supply[0], supply[1], supply[2]) };
         let gas = &s.chamber.gas;
@@ -96,7 +96,7 @@ impl Law for Orifice {
 
     #[inline(always)]
     fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes {
-        iso6358::corner(passage.critical_ratio, passage.pressure, turn, from, to)
+        iso6358::pressure_kink(passage.critical_ratio, passage.pressure, turn, from, to)
     }
 
     fn kind(passage: &Passage, pressures: [f64; 3]) -> u8 {
@@ -120,7 +120,7 @@ impl Law for Gap {
     const POWER: i32 = 2;
 
     fn passage(s: &Scenario) -> Passage {
-        let conductance = s.chamber.effects.of(LaminarLeakage::PLACE)[0];
+        let conductance = s.chamber.effects.of(LaminarLeakage::INDEX)[0];
         if conductance == 0.0 {
             return Passage::NONE;
         }
@@ -140,6 +140,6 @@ impl Law for Gap {
 
     #[inline(always)]
     fn corner(passage: &Passage<Lanes>, _: Lanes, from: Lanes, to: Lanes) -> Lanes {
-        LaminarLeakage::corner(&[], passage.pressure, from, to)
+        LaminarLeakage::pressure_kink(&[], passage.pressure, from, to)
     }
 }

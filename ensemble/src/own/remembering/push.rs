@@ -43,7 +43,7 @@ impl Test {
         let gas = <SealedTest as OwnTest<1>>::new(s);
         let [lateral, _] = s.chamber.geometry.area_constants();
         let coefficient = gas.closed.exchange[0] / lateral;
-        let inverse_effusivity = s.chamber.effects.of(WallConduction::PLACE)[0];
+        let inverse_effusivity = s.chamber.effects.of(WallConduction::INDEX)[0];
         let closed = &gas.closed;
         let feed = inverse_effusivity * coefficient * closed.mass_gas_constant / closed.expansion;
         let cooling = (closed.exchange[0] * gas.held_volume + closed.exchange[1]) / feed;

@@ -17,7 +17,7 @@ pub use saved::*;
 pub use values::*;
 
 use super::host::{Callbacks, EventInfo, Host};
-use crate::boundary::{self, CEnum, c_functions, elements, elements_mut, place, text};
+use crate::boundary::{self, CEnum, c_functions, destination, elements, elements_mut, text};
 use crate::plant::simulation::Kind;
 use crate::protocol::refusal::Refusal;
 use std::ffi::{c_char, c_int, c_uint, c_void};

@@ -32,7 +32,7 @@ c_functions! {
         if kind != LAST_SUCCESSFUL_TIME {
             return Err(NO_STATUS);
         }
-        *place(value, "value")? = instance.time();
+        *destination(value, "value")? = instance.time();
         Ok(())
     };
 
@@ -44,7 +44,7 @@ c_functions! {
         if kind != TERMINATED {
             return Err(NO_STATUS);
         }
-        *place(value, "value")? = c_int::from(instance.is_stuck());
+        *destination(value, "value")? = c_int::from(instance.is_stuck());
         Ok(())
     };
 
@@ -53,7 +53,7 @@ c_functions! {
 
     /// Handles an event, always in one iteration.
     extern "C" fn fmi2NewDiscreteStates(info: *mut EventInfo) = |instance| {
-        let info = place(info, "fmi2eventInfo")?;
+        let info = destination(info, "fmi2eventInfo")?;
         let event = instance.new_discrete_states()?;
         *info = EventInfo {
             values_of_continuous_states_changed: c_int::from(event.states_changed),
@@ -86,7 +86,7 @@ c_functions! {
     extern "C" fn fmi2GetDerivatives(derivatives: *mut f64, nx: usize) =
         |instance| instance.derivatives(elements_mut(derivatives, nx, "derivatives")?);
 
-    /// Functions that change sign at the corners of the equations.
+    /// Functions that change sign at the kinks of the equations.
     extern "C" fn fmi2GetEventIndicators(indicators: *mut f64, ni: usize) =
         |instance| instance.event_indicators(elements_mut(indicators, ni, "eventIndicators")?);
 

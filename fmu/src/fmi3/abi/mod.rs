@@ -20,8 +20,8 @@ pub use values::*;
 
 use super::host::{Host, LogMessage};
 use super::{indicator_references, time_reference};
-use crate::boundary::{self, CEnum, Component, Result, c_functions, elements, elements_mut, place, text};
-use crate::plant::corners::CORNERS;
+use crate::boundary::{self, CEnum, Component, Result, c_functions, destination, elements, elements_mut, text};
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::instance::Instance;

@@ -14,10 +14,10 @@ c_functions! {
         early_return: *mut u8,
         last_successful_time: *mut f64,
     ) = |instance| {
-        let event = place(event_handling_needed, "eventHandlingNeeded")?;
-        let end = place(terminate, "terminateSimulation")?;
-        let returned = place(early_return, "earlyReturn")?;
-        let last = place(last_successful_time, "lastSuccessfulTime")?;
+        let event = destination(event_handling_needed, "eventHandlingNeeded")?;
+        let end = destination(terminate, "terminateSimulation")?;
+        let returned = destination(early_return, "earlyReturn")?;
+        let last = destination(last_successful_time, "lastSuccessfulTime")?;
         let outcome = if instance.returns_early {
             instance.do_step_to_event(point, h)
         } else {
@@ -38,12 +38,12 @@ c_functions! {
         next_event_time_defined: *mut u8,
         next_event_time: *mut f64,
     ) = |instance| {
-        let again = place(again, "discreteStatesNeedUpdate")?;
-        let end = place(terminate, "terminateSimulation")?;
-        let nominals = place(nominals_changed, "nominalsOfContinuousStatesChanged")?;
-        let next_is_known = place(next_event_time_defined, "nextEventTimeDefined")?;
-        let changed = place(values_changed, "valuesOfContinuousStatesChanged")?;
-        let time = place(next_event_time, "nextEventTime")?;
+        let again = destination(again, "discreteStatesNeedUpdate")?;
+        let end = destination(terminate, "terminateSimulation")?;
+        let nominals = destination(nominals_changed, "nominalsOfContinuousStatesChanged")?;
+        let next_is_known = destination(next_event_time_defined, "nextEventTimeDefined")?;
+        let changed = destination(values_changed, "valuesOfContinuousStatesChanged")?;
+        let time = destination(next_event_time, "nextEventTime")?;
         let event = instance.new_discrete_states()?;
         (*again, *end, *nominals) = (0, 0, 0);
         (*next_is_known, *time) = (u8::from(event.next.is_some()), event.next.unwrap_or(0.0));
@@ -70,7 +70,7 @@ c_functions! {
     extern "C" fn fmi3GetContinuousStateDerivatives(values: *mut f64, n: usize) =
         |instance| instance.derivatives(elements_mut(values, n, "derivatives")?);
 
-    /// Functions that change sign at the corners of the equations.
+    /// Functions that change sign at the kinks of the equations.
     extern "C" fn fmi3GetEventIndicators(values: *mut f64, n: usize) =
         |instance| instance.event_indicators(elements_mut(values, n, "eventIndicators")?);
 
@@ -80,13 +80,13 @@ c_functions! {
 
     /// Number of event indicators, constant.
     extern "C" fn fmi3GetNumberOfEventIndicators(n: *mut usize) = |_| {
-        *place(n, "n")? = CORNERS;
+        *destination(n, "n")? = EVENT_INDICATORS;
         Ok(())
     };
 
     /// Number of continuous states, constant.
     extern "C" fn fmi3GetNumberOfContinuousStates(n: *mut usize) = |_| {
-        *place(n, "n")? = ALL;
+        *destination(n, "n")? = ALL;
         Ok(())
     };
 }

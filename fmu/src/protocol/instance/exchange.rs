@@ -1,12 +1,12 @@
 //! Events, and functions for a host that integrates: modes, time, states, rates and event indicators.
 
 use super::{Event, Instance, warning};
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::simulation::Kind;
 use crate::plant::states::ALL;
 use crate::protocol::phases::Phase;
 use crate::protocol::refusal::Refusal;
-use crate::table::{self, place_of_state, table};
+use crate::table::{self, index_of_state, table};
 
 impl Instance {
     /// Stops continuous time, or steps that use event mode, for an event (`fmi2EnterEventMode`).
@@ -31,8 +31,8 @@ impl Instance {
         self.need(&[Phase::Event], "call fmi2EnterEventMode first")?;
         let states_changed = self.now.kind == Kind::ModelExchange && self.now.handle_event()?;
         self.outputs = None;
-        self.warnings.lose_track();
-        let next = self.now.turn().filter(|_| self.now.kind == Kind::ModelExchange);
+        self.warnings.forget_position();
+        let next = self.now.default_motion_change().filter(|_| self.now.kind == Kind::ModelExchange);
         Ok(Event { states_changed, next })
     }
 
@@ -71,7 +71,7 @@ impl Instance {
             return Err(Refusal::BadArgument { argument: "time", value: time, expected: "a finite time is expected" });
         }
         self.now.time = time;
-        self.now.lead();
+        self.now.apply_default_motion();
         self.outputs = None;
         Ok(())
     }
@@ -90,7 +90,7 @@ impl Instance {
         let wrong = |_| Refusal::WrongLength { argument: "nx", length: states.len(), expected: ALL };
         let states: [f64; ALL] = states.try_into().map_err(wrong)?;
         if let Some((value, state)) = states.iter().zip(0..).find(|(value, _)| !value.is_finite()) {
-            let variable = place_of_state(state).and_then(|place| table().get(place));
+            let variable = index_of_state(state).and_then(|index| table().get(index));
             let (name, unit) = variable.map_or(("state", ""), |v| (v.name.as_str(), v.quantity.unit));
             return Err(Refusal::NotFinite { name, value: *value, unit });
         }
@@ -121,13 +121,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Functions of order one that change sign at the corners of the equations (`fmi2GetEventIndicators`).
+    /// Functions of order one that change sign at the kinks of the equations (`fmi2GetEventIndicators`).
     ///
     /// # Errors
     /// Outside Model Exchange; for a wrong number of indicators, or states impossible for a gas.
     pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), Refusal> {
         self.exchange()?;
-        let indicators: &mut [f64; CORNERS] = of_length(indicators, "ni")?;
+        let indicators: &mut [f64; EVENT_INDICATORS] = of_length(indicators, "ni")?;
         *indicators = self.now.indicators()?;
         Ok(())
     }

@@ -31,7 +31,7 @@ pub struct Instance {
     messages: Vec<Message>,
     refused: Option<RefusedStep>,
     /// Whether the host wants event messages.
-    pub tells_events: bool,
+    pub logs_events: bool,
     /// Whether co-simulation has an event mode, in which it starts and which follows an early return.
     pub uses_event_mode: bool,
     /// Whether a step may end early, at an event.
@@ -71,7 +71,7 @@ impl Instance {
             warnings: Warnings::default(),
             messages: Vec::new(),
             refused: None,
-            tells_events: false,
+            logs_events: false,
             uses_event_mode: false,
             returns_early: false,
         }
@@ -102,7 +102,7 @@ impl Instance {
         if phases.contains(&self.phase) {
             return Ok(());
         }
-        Err(Refusal::OutOfOrder { phase: self.phase.told(), advice })
+        Err(Refusal::OutOfOrder { phase: self.phase.description(), advice })
     }
 
     /// Sets the relative tolerance, start and stop time, s, from the host (`fmi2SetupExperiment`).

@@ -36,7 +36,7 @@ impl Instance {
         let Snapshot { phase, simulation } = self.saved(handle)?.clone();
         (self.phase, self.now) = (phase, simulation);
         self.outputs = None;
-        self.warnings.lose_track();
+        self.warnings.forget_position();
         Ok(())
     }
 

@@ -27,7 +27,7 @@ impl Instance {
             &[Phase::Instantiated, Phase::Initialization, Phase::Step],
             "set input derivatives before the simulation begins or before a step",
         )?;
-        let place = |reference: u32| {
+        let input_of = |reference: u32| {
             let variable = real(reference)?;
             match variable.role {
                 Role::Input(index) => Ok((variable, index)),
@@ -35,7 +35,7 @@ impl Instance {
             }
         };
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let (variable, _) = place(reference)?;
+            let (variable, _) = input_of(reference)?;
             let name = variable.name.as_str();
             if !(1..=ORDERS as i32).contains(&order) {
                 return Err(Refusal::DerivativeOrder { name, order, highest: ORDERS as i32 });
@@ -46,7 +46,7 @@ impl Instance {
         }
         self.hand_over(!references.is_empty());
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let (_, index) = place(reference)?;
+            let (_, index) = input_of(reference)?;
             if index == input::POSITION && self.now.is_moved_by_velocity() {
                 continue;
             }
@@ -97,7 +97,7 @@ impl Instance {
             let variable = real(reference)?;
             if !matches!(variable.role, Role::Output(_) | Role::State(_) | Role::Rate(_)) {
                 let advice = "unknowns are outputs, states and their rates";
-                return Err(Refusal::NoDirection { name: &variable.name, place: "an unknown", advice });
+                return Err(Refusal::NoDirection { name: &variable.name, role: "an unknown", advice });
             }
         }
         let along = derivatives::along(&self.now, &seed)?;
@@ -121,7 +121,7 @@ impl Instance {
                 } else {
                     "knowns are inputs, continuous states and parameters"
                 };
-                return Err(Refusal::NoDirection { name: &variable.name, place: "a known", advice });
+                return Err(Refusal::NoDirection { name: &variable.name, role: "a known", advice });
             }
         }
         Ok(seed)

@@ -1,7 +1,7 @@
 //! Steps of co-simulation: to the next communication point, or only to the first event.
 
 use super::{Instance, RefusedStep, warning};
-use crate::plant::corners::CORNERS;
+use crate::plant::event_indicators::EVENT_INDICATORS;
 use crate::plant::simulation::{Kind, Simulation};
 use crate::plant::values::input;
 use crate::protocol::message::{Category, Message, Status};
@@ -20,7 +20,7 @@ impl Instance {
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         self.check_step(point, h)?;
         let stroke = self.advance(point, h)?;
-        self.tell_of(point, stroke);
+        self.report_step(point, stroke);
         Ok(())
     }
 
@@ -44,7 +44,7 @@ impl Instance {
         if let Some(event) = event {
             self.now = event;
         }
-        self.tell_of(point, stroke);
+        self.report_step(point, stroke);
         Ok(is_early)
     }
 
@@ -78,8 +78,8 @@ impl Instance {
     /// Makes the step; returns the piston's previous position and the host's initial position for the step, m.
     fn advance(&mut self, point: f64, h: f64) -> Result<[f64; 2], Refusal> {
         let reached = self.now.gas.position;
-        let said = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
-        let (begin, _) = self.now.plant.limits.apply(said, 0.0);
+        let requested = if self.now.is_moved_by_velocity() { reached } else { self.now.inputs.value[input::POSITION] };
+        let (begin, _) = self.now.plant.limits.apply(requested, 0.0);
         // The host's clock is authoritative, so that rounding in its communication points cannot accumulate.
         let time = std::mem::replace(&mut self.now.time, point);
         if let Err(fault) = self.now.step(h) {
@@ -94,9 +94,9 @@ impl Instance {
     }
 
     /// Sends the messages about a step from `point`, s, with a jump of the piston from `reached` to `begin`, m.
-    fn tell_of(&mut self, point: f64, [reached, begin]: [f64; 2]) {
+    fn report_step(&mut self, point: f64, [reached, begin]: [f64; 2]) {
         let messages = &mut self.messages;
-        if self.tells_events && (begin - reached).abs() > ROUNDING_M {
+        if self.logs_events && (begin - reached).abs() > ROUNDING_M {
             let text = format!(
                 "t = {point} s: the stroke from {reached} m to position = {begin} m was taken up adiabatically"
             );
@@ -119,9 +119,9 @@ impl Instance {
     }
 }
 
-/// The part of a step of `h` seconds from `before` up to the first change of these corner sides; `None` if rounding prevents such
+/// The part of a step of `h` seconds from `before` up to the first change of these kink sides; `None` if rounding prevents such
 /// a partial step.
-fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; CORNERS]) -> Option<Simulation> {
+fn first_event(mut before: Simulation, h: f64, sides: &[Option<bool>; EVENT_INDICATORS]) -> Option<Simulation> {
     let (mut low, mut high) = (0.0, h);
     while high - low > 1e-9 * h {
         let middle = 0.5 * (low + high);
@@ -139,18 +139,18 @@ mod tests {
     use chamber::effects::{self, NaturalConvection};
 
     #[test]
-    fn a_corner_at_which_the_chamber_rests_is_left_without_an_event() {
+    fn leaving_a_kink_at_which_the_chamber_rests_is_no_event() {
         let mut starts = Starts::default();
         starts.parameters.choices.stroke_input = StrokeInput::Velocity;
-        // Free convection: its coefficient has a corner at T = Tw, the state of a chamber at rest.
-        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::PLACE]] = 0.25;
+        // Free convection: its coefficient has a kink at T = Tw, the state of a chamber at rest.
+        starts.parameters.real[BASE + effects::PARAMETER_OFFSETS[NaturalConvection::INDEX]] = 0.25;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::index_of(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.set_real(&[velocity], &[-0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.09), Ok(false));
-        // On the way back the gas cools below the wall: the corner is passed once.
+        // On the way back the gas cools below the wall: the kink is passed once.
         instance.set_real(&[velocity], &[0.1]).unwrap();
         assert_eq!(instance.do_step_to_event(0.09, 0.5), Ok(true));
         let event = instance.time();
@@ -166,13 +166,13 @@ mod tests {
         starts.inputs[input::VELOCITY] = 1.0;
         let mut instance = Instance::new(&starts, "{}", Kind::CoSimulation);
         instance.enter_initialization().unwrap();
-        let velocity = crate::table::place(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
+        let velocity = crate::table::index_of(crate::table::variable::Role::Input(input::VELOCITY)).unwrap() as u32;
         instance.exit_initialization().unwrap();
         instance.set_real(&[velocity], &[1.0]).unwrap();
         assert_eq!(instance.do_step_to_event(0.0, 0.1), Ok(true));
         let texts: Vec<String> = instance.messages().into_iter().map(|message| message.text).collect();
-        let told = format!("t = {} s: the piston is pushed beyond its stroke", instance.time());
+        let text = format!("t = {} s: the piston is pushed beyond its stroke", instance.time());
         assert!((instance.time() - 0.01).abs() < 1e-9, "{}", instance.time());
-        assert!(texts.len() == 1 && texts[0].starts_with(&told), "{texts:?}");
+        assert!(texts.len() == 1 && texts[0].starts_with(&text), "{texts:?}");
     }
 }

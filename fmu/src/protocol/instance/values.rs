@@ -1,7 +1,7 @@
 //! Setting and getting variables in all-or-nothing batches.
 
 use super::{Instance, real, typed};
-use crate::plant::leader::Leader;
+use crate::plant::motion_source::MotionSource;
 use crate::plant::rates::Present;
 use crate::plant::values::Parameters;
 use crate::protocol::phases::Phase;
@@ -26,9 +26,9 @@ impl Instance {
                 parameters.get_or_insert(self.now.parameters).real[index] = value;
             }
         }
-        let kept = parameters.map(|_| (self.now.leader, self.now.inputs.clone()));
+        let kept = parameters.map(|_| (self.now.motion_source, self.now.inputs.clone()));
         self.hand_over(self.phase.is_started() && !references.is_empty());
-        let before = (self.now.leader != Leader::Host).then_some(self.now.inputs.value);
+        let before = (self.now.motion_source != MotionSource::Host).then_some(self.now.inputs.value);
         for (&reference, &value) in references.iter().zip(values) {
             if let Role::Input(index) = real(reference)?.role {
                 self.now.inputs.set(index, value);
@@ -36,10 +36,10 @@ impl Instance {
         }
         self.outputs = None;
         self.hand_over(before.is_some_and(|before| before != self.now.inputs.value));
-        if let Some((parameters, (leader, inputs))) = parameters.zip(kept) {
+        if let Some((parameters, (motion_source, inputs))) = parameters.zip(kept) {
             let taken = self.take_over(parameters);
             if taken.is_err() {
-                (self.now.leader, self.now.inputs) = (leader, inputs);
+                (self.now.motion_source, self.now.inputs) = (motion_source, inputs);
             }
             taken?;
         }

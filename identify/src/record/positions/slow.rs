@@ -135,7 +135,7 @@ fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
 fn bends(position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extremes(position_m);
     let far = (STEPS * step(position_m)).max(ROUNDING * (high - low));
-    records::bends(position_m).zip(1..).filter(|(bend, _)| *bend >= far).map(|(_, row)| row).collect()
+    records::second_differences(position_m).zip(1..).filter(|(bend, _)| *bend >= far).map(|(_, row)| row).collect()
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ impl Earlier {
     /// # Errors
     /// Why this study does not continue that one.
     pub fn open(study: &Study, store: &dyn Store) -> Result<Self, Error> {
-        let folder = store.place();
+        let folder = store.location();
         let refuse = |why: String| Error::NotContinued { folder: folder.to_owned(), why };
         let reading = Error::reading(folder);
         let text = match store.read(&format!("{RECORDS}/{STUDY}")).map_err(&reading)? {
@@ -181,8 +181,8 @@ fn continues(study: &Study, found: &Value) -> Result<u64, String> {
 
 /// Describes the difference in a key of the study, down to the differing entry.
 fn difference(key: &str, theirs: &Value, ours: &Value) -> String {
-    let said = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
+    let text = |value: &Value| if value.is_null() { "nothing".to_owned() } else { value.to_string() };
     let entry = if theirs.is_object() && ours.is_object() { differing(theirs, ours).next() } else { None };
     let (name, [theirs, ours]) = entry.map_or((key, [theirs, ours]), |(name, both)| (name.as_str(), both));
-    format!("its {name} is {}, this study's {}", said(theirs), said(ours))
+    format!("its {name} is {}, this study's {}", text(theirs), text(ours))
 }

@@ -58,11 +58,11 @@ impl<'a> EarlierReader<'a> {
     }
 
     fn taken(&mut self, part: usize, rows: Range<u64>) -> Result<Rows, Error> {
-        let place = &self.earlier.parts[part];
+        let earlier_part = &self.earlier.parts[part];
         let mut open = match self.open.take().filter(|open| (open.part, open.next) == (part, rows.start)) {
             Some(open) => open,
             None => {
-                let reader = reader::read(place.file.path(), None, rows.start - place.rows.start)?;
+                let reader = reader::read(earlier_part.file.path(), None, rows.start - earlier_part.rows.start)?;
                 Open { part, next: rows.start, reader, rest: None }
             }
         };
@@ -73,9 +73,9 @@ impl<'a> EarlierReader<'a> {
             let batch = match open.rest.take() {
                 Some(batch) => batch,
                 None => match open.reader.next() {
-                    Some(batch) => batch.map_err(|error| Error::arrow(place.file.path(), error))?,
+                    Some(batch) => batch.map_err(|error| Error::arrow(earlier_part.file.path(), error))?,
                     None => {
-                        let why = format!("{} ends before its record says", place.file.path().display());
+                        let why = format!("{} ends before its record says", earlier_part.file.path().display());
                         return Err(Error::NotContinued { folder: self.earlier.folder.clone(), why });
                     }
                 },

@@ -13,7 +13,7 @@ use records::{Model, Trace};
 const MEAN_ITERATIONS: usize = 8;
 
 /// Inputs of a simulation: a motion from a file, and the initial pressure.
-pub struct Course<'a> {
+pub struct MotionRun<'a> {
     /// The file's rows: times, ambient temperatures, flows, and the pressure from which the initial one is taken.
     pub motion: &'a Trace,
     /// Motion of the piston, which may differ from the recorded positions.
@@ -26,7 +26,7 @@ pub struct Course<'a> {
     far_off: Vec<usize>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> MotionRun<'a> {
     /// A motion with its stroke, and the initial pressure if given.
     pub fn new(motion: &'a Trace, stroke: Stroke, initial_pressure_pa: Option<f64>) -> Self {
         let rest = rows_at_rest(motion);
@@ -36,7 +36,7 @@ impl<'a> Course<'a> {
     }
 
     /// A note on the outliers left out before the first movement, if any.
-    pub fn left_out_of_rest(&self) -> Option<String> {
+    pub fn outlier_note(&self) -> Option<String> {
         let Trace { path, lines, time_s, .. } = self.motion;
         far_off::sentence(path, &self.far_off, lines, time_s)
     }
@@ -61,7 +61,7 @@ impl<'a> Course<'a> {
         self.initial_pressure_pa.is_none().then(|| self.rest - self.far_off.len())
     }
 
-    /// As [`Course::samples`], with the chamber's inputs and initial state.
+    /// As [`MotionRun::samples`], with the chamber's inputs and initial state.
     fn followed(&self, model: &Model, shift: f64) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
         let signals = self.signals(model);
         check_volume(model, self.motion, &signals)?;
@@ -93,7 +93,7 @@ impl<'a> Course<'a> {
         let at = |pressure: f64| Start::at_rest(&model.chamber, pressure, ambient);
         if let Some(pressure) = self.initial_pressure_pa {
             if !PRESSURE_PA.allow(pressure) {
-                bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.words());
+                bail!("the initial pressure is {pressure}; expected {}", PRESSURE_PA.description());
             }
             return Ok(at(pressure));
         }
@@ -138,8 +138,8 @@ impl<'a> Course<'a> {
 /// # Errors
 /// For a motion that leaves no gas or cannot be integrated, or without an initial pressure.
 pub fn along_record(model: &Model, record: &Trace) -> anyhow::Result<(Signals, Start, Vec<Sample>)> {
-    let stroke = Stroke::behind(&record.time_s, &record.position_m).at_rows(&record.time_s);
-    Course::new(record, stroke, None).followed(model, 0.0)
+    let stroke = Stroke::reconstructed(&record.time_s, &record.position_m).at_rows(&record.time_s);
+    MotionRun::new(record, stroke, None).followed(model, 0.0)
 }
 
 /// Simulates the first rows of the motion.

@@ -1,7 +1,7 @@
-//! Corners of the equations as event indicators: functions of order one that change sign there.
+//! Kinks of the equations as event indicators: functions of order one that change sign there.
 //!
-//! They cover the directions of flows and ports, choking, the ends of the stroke, and each effect's own corners. An indicator
-//! that rests at its corner would signal an event at each step; each therefore has a dead band, on the side it was on when the
+//! They cover the directions of flows and ports, choking, the ends of the stroke, and each effect's own kinks. An indicator
+//! that rests at its kink would signal an event at each step; each therefore has a dead band, on the side it was on when the
 //! last event was handled: z = f + ε above, f − ε below.
 
 use super::rates::Moment;
@@ -13,10 +13,10 @@ use chamber::real::Real;
 
 /// Index ranges of the indicators: both mass flows, both ports, both ends of the stroke, then the effects.
 const PORTS: usize = 2;
-const ENDS: usize = PORTS + 2 * iso6358::KINKS;
+const ENDS: usize = PORTS + 2 * iso6358::KINK_INDICATORS;
 const EFFECTS: usize = ENDS + 3;
 /// Number of event indicators.
-pub const CORNERS: usize = EFFECTS + effects::KINKS;
+pub const EVENT_INDICATORS: usize = EFFECTS + effects::KINK_INDICATORS;
 
 /// Scale of the mass flows' indicators, kg/s.
 const NOMINAL_FLOW: f64 = 1e-3;
@@ -36,22 +36,22 @@ pub enum Rest {
     High = 2,
 }
 
-/// Sides of the corners, and the piston's rest, at the last event.
+/// Sides of the kinks, and the piston's rest, at the last event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
-    /// Whether each corner's function was positive.
-    pub above: [bool; CORNERS],
+    /// Whether each kink indicator was positive.
+    pub above: [bool; EVENT_INDICATORS],
     /// Where the piston rests.
     pub rest: Rest,
 }
 
 impl Default for Sides {
     fn default() -> Self {
-        Self { above: [true; CORNERS], rest: Rest::Free }
+        Self { above: [true; EVENT_INDICATORS], rest: Rest::Free }
     }
 }
 
-/// The piston as seen by the corners.
+/// The piston as seen by the kinks.
 #[derive(Clone, Copy, Debug)]
 pub struct Piston {
     /// Position set by the host or reached by its velocity, before the limits, m.
@@ -63,20 +63,20 @@ pub struct Piston {
 }
 
 impl Sides {
-    /// The indicators for these values of the corner functions; `tolerance` is the host's.
-    pub fn indicators(&self, corners: &[f64; CORNERS], tolerance: f64) -> [f64; CORNERS] {
+    /// The indicators for these values of [`kink_indicators`]; `tolerance` is the host's.
+    pub fn indicators(&self, kinks: &[f64; EVENT_INDICATORS], tolerance: f64) -> [f64; EVENT_INDICATORS] {
         let band = BAND * tolerance;
-        core::array::from_fn(|i| corners[i] + if self.above[i] { band } else { -band })
+        core::array::from_fn(|i| kinks[i] + if self.above[i] { band } else { -band })
     }
 
-    /// The sides of the corners; `None` where the value is within the dead band.
-    pub fn clear(corners: &[f64; CORNERS], tolerance: f64) -> [Option<bool>; CORNERS] {
-        corners.map(|value| (value.abs() > BAND * tolerance).then_some(value > 0.0))
+    /// The sides of the kinks; `None` where the value is within the dead band.
+    pub fn clear(kinks: &[f64; EVENT_INDICATORS], tolerance: f64) -> [Option<bool>; EVENT_INDICATORS] {
+        kinks.map(|value| (value.abs() > BAND * tolerance).then_some(value > 0.0))
     }
 
-    /// Stores the current sides of the corner functions.
-    pub fn settle(&mut self, corners: &[f64; CORNERS]) {
-        self.above = corners.map(|value| value > 0.0);
+    /// Stores the current sides of the kinks.
+    pub fn settle(&mut self, kinks: &[f64; EVENT_INDICATORS]) {
+        self.above = kinks.map(|value| value > 0.0);
     }
 
     /// Stops a piston pushed into an end, and releases one pulled away from it.
@@ -95,21 +95,21 @@ impl Sides {
     }
 }
 
-/// Values of the corner functions.
-pub fn corners(
+/// Functions of order one that change sign at the kinks of the equations, without dead bands.
+pub fn kink_indicators(
     moment: &Moment<'_>,
     u: &[f64; INPUTS],
     states: &[f64; ALL],
     piston: &Piston,
     rest: Rest,
-) -> [f64; CORNERS] {
+) -> [f64; EVENT_INDICATORS] {
     let (at, rates, _) = moment.balances(states);
-    let mut out = [f64::ONE; CORNERS];
+    let mut out = [f64::ONE; EVENT_INDICATORS];
     out[0] = u[input::MASS_FLOW_IN] / NOMINAL_FLOW;
     out[1] = u[input::MASS_FLOW_OUT] / NOMINAL_FLOW;
     for (i, port) in moment.around.ports.iter().flatten().enumerate().filter(|(_, port)| port.conductance > 0.0) {
-        let kinks = iso6358::kinks(port.pressure, at.pressure, port.critical_ratio);
-        out[PORTS + i * iso6358::KINKS..][..iso6358::KINKS].copy_from_slice(&kinks);
+        let kinks = iso6358::kink_indicators(port.pressure, at.pressure, port.critical_ratio);
+        out[PORTS + i * iso6358::KINK_INDICATORS..][..iso6358::KINK_INDICATORS].copy_from_slice(&kinks);
     }
     if let Some([low, high]) = piston.limits.room(piston.position) {
         let stroke = low + high;
@@ -119,7 +119,7 @@ pub fn corners(
         }
     }
     let own = super::rates::own(states);
-    let of_effects = moment.balance.chamber.effects.kinks(moment.set, &own, &at, &rates);
+    let of_effects = moment.balance.chamber.effects.kink_indicators(moment.set, &own, &at, &rates);
     out[EFFECTS..].copy_from_slice(&of_effects);
     out
 }

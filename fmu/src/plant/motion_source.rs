@@ -14,7 +14,7 @@ pub const PUSHED_TO: f64 = 0.5;
 /// What moves the piston.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Leader {
+pub enum MotionSource {
     /// The default experiment, during its push.
     Push = 0,
     /// The default experiment, during its hold.
@@ -23,23 +23,23 @@ pub enum Leader {
     Host = 2,
 }
 
-impl Leader {
-    /// All leaders, for saved states.
-    pub const ALL: [Leader; 3] = [Leader::Push, Leader::Hold, Leader::Host];
+impl MotionSource {
+    /// All sources, for saved states.
+    pub const ALL: [MotionSource; 3] = [MotionSource::Push, MotionSource::Hold, MotionSource::Host];
 
     /// Position and speed of the piston in the default experiment, `elapsed` seconds after starting at `from`. The push formula
     /// has no end: a host that integrates may evaluate beyond the event, and a kink there would spoil its step.
     pub fn stroke(self, from: f64, elapsed: f64) -> Option<(f64, f64)> {
         let way = (PUSHED_TO - 1.0) * from;
         match self {
-            Leader::Push => Some((from + way * (elapsed / PUSH_S), way / PUSH_S)),
-            Leader::Hold => Some((from + way, 0.0)),
-            Leader::Host => None,
+            MotionSource::Push => Some((from + way * (elapsed / PUSH_S), way / PUSH_S)),
+            MotionSource::Hold => Some((from + way, 0.0)),
+            MotionSource::Host => None,
         }
     }
 
     /// Time since the start at which this part of the experiment ends, s, if it does.
     pub fn until(self) -> Option<f64> {
-        (self == Leader::Push).then_some(PUSH_S)
+        (self == MotionSource::Push).then_some(PUSH_S)
     }
 }

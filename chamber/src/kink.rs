@@ -1,8 +1,8 @@
-//! Locates corners of the rates within an integration step.
+//! Locates kinks of the rates within an integration step.
 //!
-//! A corner is where a function of the state, such as a curve's variable less a knot, changes its sign. Bisection finds the root
-//! on the step's interpolating polynomial. That polynomial errs across a corner: where the step up to the root falls short, the
-//! next step meets the corner again. Times in s.
+//! A kink is where a function of the state, such as a curve's variable less a knot, changes its sign. Bisection finds the root
+//! on the step's interpolating polynomial. That polynomial errs across a kink: where the step up to the root falls short, the
+//! next step meets the kink again. Times in s.
 
 use crate::integrate::Step;
 use crate::real::Scalar;
@@ -10,32 +10,32 @@ use crate::real::Scalar;
 /// Functions of order one below this magnitude count as zero: for gas at its wall's temperature, the sign is only integration
 /// error.
 const ZERO: f64 = 1e-8;
-/// Corners nearer to an end of a step than this fraction of it count as at that end.
+/// Kinks nearer to an end of a step than this fraction of it count as at that end.
 const NEAR: f64 = 1e-4;
-/// Number of bisections of the fraction of a step that contains a corner.
+/// Number of bisections of the fraction of a step that contains a kink.
 const HALVINGS: usize = 30;
 
-/// Time at which the first of these functions of time and state changes its sign within a step; `None` from `sides` means no
+/// Time at which the first of these functions of time and state changes its sign within a step; `None` from `indicators` means no
 /// functions.
 #[inline]
 pub fn first<R: Scalar, const N: usize, const K: usize>(
     step: &Step<R, N>,
-    sides: impl Fn(f64, &[R; N]) -> Option<[f64; K]>,
+    indicators: impl Fn(f64, &[R; N]) -> Option<[f64; K]>,
 ) -> Option<f64> {
-    let before = sides(step.from, &step.start)?;
-    let after = sides(step.from + step.length, &step.end)?;
+    let before = indicators(step.from, &step.start)?;
+    let after = indicators(step.from + step.length, &step.end)?;
     let changes = |i: &usize| before[*i] * after[*i] < 0.0 && before[*i].abs().min(after[*i].abs()) > ZERO;
     if !(0..K).any(|i| changes(&i)) {
         return None;
     }
     let dense = step.dense();
-    let at = |share: f64, i: usize| {
-        let time = step.from + share * step.length;
-        sides(time, &dense.at(R::from(time))).map_or(f64::NAN, |values| values[i])
+    let at = |fraction: f64, i: usize| {
+        let time = step.from + fraction * step.length;
+        indicators(time, &dense.at(R::from(time))).map_or(f64::NAN, |values| values[i])
     };
-    let roots = (0..K).filter(changes).map(|i| root(before[i], |share| at(share, i)));
-    let share = roots.filter(|share| (NEAR..=1.0 - NEAR).contains(share)).fold(f64::INFINITY, f64::min);
-    (share < 1.0).then_some(step.from + share * step.length)
+    let roots = (0..K).filter(changes).map(|i| root(before[i], |fraction| at(fraction, i)));
+    let fraction = roots.filter(|fraction| (NEAR..=1.0 - NEAR).contains(fraction)).fold(f64::INFINITY, f64::min);
+    (fraction < 1.0).then_some(step.from + fraction * step.length)
 }
 
 /// Root between 0 and 1 of a function that has the value `before` at 0.
@@ -58,39 +58,39 @@ mod tests {
     use crate::integrate::{Integrator, System, Tolerance};
 
     /// dy/dt = 1 + 20 max(t + y − 0.7, 0).
-    struct Bent;
+    struct Kinked;
 
-    impl Bent {
+    impl Kinked {
         fn excess(t: f64, y: f64) -> f64 {
             t + y - 0.7
         }
     }
 
-    impl System<f64, 1> for Bent {
+    impl System<f64, 1> for Kinked {
         fn rates(&self, t: f64, y: &[f64; 1]) -> [f64; 1] {
             [1.0 + 20.0 * Self::excess(t, y[0]).max(0.0)]
         }
 
-        fn corner(&self, step: &Step<f64, 1>) -> Option<f64> {
+        fn kink(&self, step: &Step<f64, 1>) -> Option<f64> {
             first(step, |t, y| Some([Self::excess(t, y[0]), 1.0]))
         }
     }
 
     #[test]
-    fn steps_end_at_a_corner_of_the_rates() {
+    fn steps_end_at_a_kink_of_the_rates() {
         let mut run = Integrator::new(0.0, [0.0], Tolerance { relative: 1e-9, absolute: [1e-12] });
         let mut ends = Vec::new();
-        run.advance(&Bent, 0.6, |step| ends.push(step.from + step.length)).unwrap();
+        run.advance(&Kinked, 0.6, |step| ends.push(step.from + step.length)).unwrap();
         // y = t up to t + y = 0.7; then z = t + y - 0.7 has z' = 2 + 20 z.
-        let corner = 0.35;
-        assert!(ends.iter().any(|end| (end - corner).abs() < 1e-7), "{ends:?}");
-        let z = 0.1 * (20.0f64 * (0.6 - corner)).exp_m1();
+        let kink = 0.35;
+        assert!(ends.iter().any(|end| (end - kink).abs() < 1e-7), "{ends:?}");
+        let z = 0.1 * (20.0f64 * (0.6 - kink)).exp_m1();
         assert!((run.state[0] / (z + 0.7 - 0.6) - 1.0).abs() < 1e-8, "{}", run.state[0]);
     }
 
     #[test]
     fn a_function_that_has_come_to_zero_cuts_no_steps() {
-        // Gas approaching the wall's temperature, with a corner there.
+        // Gas approaching the wall's temperature, with a kink there.
         let cooling = |t: f64, y: &[f64; 1]| [-y[0] + 1e-9 * (1e3 * t).sin()];
         let steps = |cuts: bool| {
             struct Cooling<F>(F, bool);
@@ -99,7 +99,7 @@ mod tests {
                     (self.0)(t, y)
                 }
 
-                fn corner(&self, step: &Step<f64, 1>) -> Option<f64> {
+                fn kink(&self, step: &Step<f64, 1>) -> Option<f64> {
                     first(step, |_, y| self.1.then_some([y[0], 1.0]))
                 }
             }

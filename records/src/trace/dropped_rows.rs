@@ -5,21 +5,21 @@ use std::fmt;
 
 /// At most one row in this many may be left out.
 pub const ONE_IN: usize = 50;
-/// Number of lines named in a sentence.
+/// Number of lines named in a note.
 const NAMED: usize = 5;
 /// Maximum number of rows stored with their reason while reading: one more than may be left out of the longest file.
 const MOST: usize = super::reading::MAX_ROWS / ONE_IN + 1;
 
 /// A row left out of the trace.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
+pub struct DroppedRow {
     /// Its line in the file, from 1.
     pub line: usize,
     /// Its problem.
     pub reason: RowProblem,
 }
 
-impl fmt::Display for LeftOut {
+impl fmt::Display for DroppedRow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}, {}", self.line, self.reason)
     }
@@ -28,7 +28,7 @@ impl fmt::Display for LeftOut {
 /// Rows left out while a file is read.
 #[derive(Debug, Default)]
 pub struct BadRows {
-    found: Vec<LeftOut>,
+    found: Vec<DroppedRow>,
     count: usize,
 }
 
@@ -36,7 +36,7 @@ impl BadRows {
     pub fn push(&mut self, line: usize, reason: RowProblem) {
         self.count += 1;
         if self.found.len() < MOST {
-            self.found.push(LeftOut { line, reason });
+            self.found.push(DroppedRow { line, reason });
         }
     }
 
@@ -45,7 +45,7 @@ impl BadRows {
     }
 
     /// The rows left out, by line, if they are few among `rows`, which includes those kept.
-    pub fn few_among(mut self, rows: usize) -> Result<Vec<LeftOut>, TraceProblem> {
+    pub fn few_among(mut self, rows: usize) -> Result<Vec<DroppedRow>, TraceProblem> {
         self.found.sort_by_key(|row| row.line);
         if self.count * ONE_IN <= rows {
             return Ok(self.found);
@@ -56,10 +56,10 @@ impl BadRows {
     }
 }
 
-/// A sentence about the rows left out, if any: their number, and the first ones with reasons.
-pub fn sentence(left_out: &[LeftOut]) -> Option<String> {
-    let first: Vec<String> = left_out.iter().take(NAMED).map(LeftOut::to_string).collect();
-    let (count, more) = (left_out.len(), if left_out.len() > NAMED { "; ..." } else { "" });
+/// A note on the rows left out, if any: their number, and the first ones with reasons.
+pub fn note(dropped_rows: &[DroppedRow]) -> Option<String> {
+    let first: Vec<String> = dropped_rows.iter().take(NAMED).map(DroppedRow::to_string).collect();
+    let (count, more) = (dropped_rows.len(), if dropped_rows.len() > NAMED { "; ..." } else { "" });
     let rows = if count == 1 { "row is" } else { "rows are" };
     (count > 0).then(|| format!("{count} {rows} left out: {}{more}", first.join("; ")))
 }
