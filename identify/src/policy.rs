@@ -44,7 +44,7 @@ pub const FIRST_GUESS_REACH: f64 = 2.0;
 /// move are lost, the stroke is followed to within the noise of the pressures.
 pub const GAP_STEPS: f64 = 5.0;
 /// A gap in which the piston goes less than this share of its travel does not matter.
-pub const GAP_WAY: f64 = 0.01;
+pub const GAP_TRAVEL: f64 = 0.01;
 /// Standard deviation of the gas's temperature at the end of a gap, relative to that which the stroke taken for the gap
 /// leads to: an adiabatic push to half the volume warms air by a third, and a pull cools it by a quarter.
 pub const BEHIND_GAP: f64 = 0.3;

@@ -153,14 +153,14 @@ fn a_coarse_sensor_that_shows_no_step_more_at_the_end_of_a_pull_is_not_saturated
     let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
     rig.experiments.truncate(1);
     let time_s: Vec<f64> = (0..700).map(|i| f64::from(i) / 200.0).collect();
-    let (from_m, way_m, began_s, lasts_s) = (0.036, 0.010, 1.0, 0.1);
+    let (from_m, travel_m, began_s, lasts_s) = (0.036, 0.010, 1.0, 0.1);
     let position = |t: &f64| {
         let u = ((t - began_s) / lasts_s).clamp(0.0, 1.0);
-        from_m + way_m * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
+        from_m + travel_m * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
     };
     let pressure = |step_pa: f64, least_pa: f64| {
         let adiabatic = |x: f64| 1e5 * (from_m / x).powf(1.3);
-        let (settled, to_m) = (1e5 * from_m / (from_m + way_m), from_m + way_m);
+        let (settled, to_m) = (1e5 * from_m / (from_m + travel_m), from_m + travel_m);
         let of_gas = move |t: &f64| match t - began_s - lasts_s {
             since if since > 0.0 => settled + (adiabatic(to_m) - settled) * (-since / 0.4).exp(),
             _ => adiabatic(position(t)),

@@ -118,7 +118,7 @@ fn an_effect_is_named_though_hardly_a_reading_of_the_position_falls_into_the_mov
 }
 
 #[test]
-fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_way_from_row_to_row() {
+fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_travel_from_row_to_row() {
     let mut recipe = Recipe { position_noise_m: 0.0, position_step_m: 1e-7, rest_s: 0.3, ..Recipe::from_seed(21) };
     recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|(_, push_s, shape, _)| {
         (*push_s, *shape) = (0.04, Shape::Ramp);
@@ -131,7 +131,7 @@ fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_w
         (0..x.len()).for_each(|k| x[k] = (at(k) * 1e7).round() * 1e-7);
     });
     let data = Data::prepare(&rig).unwrap();
-    let by_position = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
+    let by_position = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
     let largest_pa = data.traces.iter().map(by_position).fold(0.0, f64::max);
     assert!(largest_pa < data.noise.total_pa(), "{largest_pa}");
 }

@@ -3,7 +3,7 @@
 use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
-use crate::record::between_rows::Look;
+use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectValues, ForcedConvection};
@@ -66,9 +66,9 @@ impl Fit {
         let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
             Slot::Effect(effect, parameter) if axis.prior.is_none() && !axis.logarithmic => {
                 let card = &CARDS[effect].parameters[parameter];
-                let way = axis.value(**x) - card.neutral;
-                let end = if way < 0.0 { card.bounds.start() } else { card.bounds.end() };
-                way.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
+                let offset = axis.value(**x) - card.neutral;
+                let end = if offset < 0.0 { card.bounds.start() } else { card.bounds.end() };
+                offset.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
             }
             _ => false,
         };
@@ -126,20 +126,20 @@ impl Fit {
     }
 
     /// How each record's readings depend on the recorded stroke.
-    pub fn looks(&self, data: &Data) -> Vec<Look> {
+    pub fn sensor_timings(&self, data: &Data) -> Vec<SensorTiming> {
         let set = self.hypothesis.model.effects;
-        let look = |values: &EffectValues| Look {
+        let timing = |values: &EffectValues| SensorTiming {
             window_s: values.stroke_window(set),
             lag_s: values.lag(set),
-            late_s: values.delay(set) - values.stroke_delay(set),
+            delay_s: values.delay(set) - values.stroke_delay(set),
             filter_s: values.stroke_filter(set),
         };
-        data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
+        data.traces.iter().zip(&self.own).map(|(t, own)| timing(&self.setting(t, own).chamber.effects)).collect()
     }
 
     /// Response of the pressure in each row to a relative change of the forced-convection heat, Pa per unit, record by record;
     /// empty where the model lacks that effect.
-    pub fn by_speed_pa(&self, data: &Data) -> Vec<Vec<f64>> {
+    pub fn convection_responses_pa(&self, data: &Data) -> Vec<Vec<f64>> {
         const SMALL: f64 = 0.05;
         let set = self.hypothesis.model.effects;
         let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {

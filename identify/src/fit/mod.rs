@@ -76,7 +76,7 @@ pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], own: &[Vec<f64
 pub fn smoothed(data: &Data, model: &Model) -> f64 {
     match model.timings() {
         0 => 0.0,
-        count => count as f64 * data.squares_by_rows_of_positions(),
+        count => count as f64 * data.squares_of_position_errors(),
     }
 }
 

@@ -249,12 +249,12 @@ fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
     let (low, high) = extremes(model);
     let change = ((high - low) / RUNS_IN_RANGE).max(f64::MIN_POSITIVE);
     let mut half = 0;
-    let (mut begun, mut way) = (0, 0.0);
+    let (mut begun, mut changed) = (0, 0.0);
     (0..model.len())
         .map(|i| {
-            way += (model[i] - model[i.saturating_sub(1)]).abs();
-            if i - begun >= rows || way >= change {
-                (half, begun, way) = (1 - half, i, 0.0);
+            changed += (model[i] - model[i.saturating_sub(1)]).abs();
+            if i - begun >= rows || changed >= change {
+                (half, begun, changed) = (1 - half, i, 0.0);
             }
             half
         })

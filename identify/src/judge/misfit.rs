@@ -143,7 +143,7 @@ fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
 /// Mean product of the residuals of different repeats at corresponding rows of a segment, Pa².
 fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segment: usize) -> f64 {
     let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
-    let rows = repeats::data_beside_each_other(&traces, segment);
+    let rows = repeats::aligned_data_rows(&traces, segment);
     let length = rows[0].len();
     let aligned: Vec<Vec<f64>> =
         of_experiment.iter().zip(&rows).map(|(&k, own)| own.iter().map(|&i| residuals[k][i]).collect()).collect();
@@ -160,7 +160,8 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segme
 /// Pressure variance in a segment due to the rounding of the held piston's position, Pa².
 fn by_rounding(t: &Prepared, segment: usize) -> f64 {
     let own = t.blocks.iter().filter(|b| b.segment == segment);
-    let (sum, rows) = own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.by_rounding_pa.powi(2), n + b.rows));
+    let (sum, rows) =
+        own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.position_rounding_sd_pa.powi(2), n + b.rows));
     sum / rows.max(1) as f64
 }
 
@@ -183,7 +184,7 @@ fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
     let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
     let shift_s = t.course.motion.segments[b.segment].shift_s;
     let common: f64 = b.common_sd_pa.iter().map(|c| c * c).sum();
-    b.by_position_pa.powi(2) + common + (rate * shift_s).powi(2)
+    b.position_sd_pa.powi(2) + common + (rate * shift_s).powi(2)
 }
 
 /// Weight of each row of a record, from 0 to 1: the noise's fraction of its variance, the rest being due to the positions.

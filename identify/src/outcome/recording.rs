@@ -7,7 +7,7 @@ use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
 use crate::parameters::{Model, Own, OwnStart};
-use crate::record::between_rows::Look;
+use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
 use crate::record::gaps;
@@ -152,9 +152,9 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out.extend(every_row_is_a_reading(data));
     out.extend(positions(data));
     out.extend(noise_of_positions(data));
-    let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
-    let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
-    let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
+    let averaged = data.traces.iter().filter(|t| t.timing.window_s > 0.0);
+    let between_rows = data.traces.iter().filter(|t| t.timing.window_s == 0.0 && t.timing != SensorTiming::default());
+    let open = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
     if let Some(open) = between_rows.map(open).reduce(f64::max) {
         out.push(format!(
             "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they count less",
@@ -162,7 +162,7 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
         ));
     }
     let open = averaged.clone().map(open).fold(0.0, f64::max);
-    if let Some(window_s) = averaged.map(|t| t.look.window_s).reduce(f64::max) {
+    if let Some(window_s) = averaged.map(|t| t.timing.window_s).reduce(f64::max) {
         out.push(format!(
             "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and count less",
             digits(window_s, 2),
@@ -316,14 +316,14 @@ fn positions(data: &Data) -> Vec<String> {
 fn noise_of_positions(data: &Data) -> Option<String> {
     /// Relative to the noise of the pressures.
     const MUCH: f64 = 2.0;
-    let open_pa = data.open_pa();
-    let is_plain = data.traces.iter().all(|t| t.look == Look::default());
-    (is_plain && open_pa > MUCH * data.noise.total_pa()).then(|| {
+    let position_uncertainty_pa = data.position_uncertainty_pa();
+    let is_plain = data.traces.iter().all(|t| t.timing == SensorTiming::default());
+    (is_plain && position_uncertainty_pa > MUCH * data.noise.total_pa()).then(|| {
         let noise_m = data.traces.iter().map(|t| t.course.motion.noise_m).fold(0.0, f64::max);
         format!(
             "the positions scatter by up to {} µm, which leaves the pressures of moves uncertain by {} Pa rms: they count less, and an error of that size there is noise",
             digits(1e6 * noise_m, 2),
-            digits(open_pa, 2)
+            digits(position_uncertainty_pa, 2)
         )
     })
 }

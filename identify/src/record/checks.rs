@@ -50,7 +50,7 @@ pub fn trace(
     }
     let (least, most) = extremes(pressure_pa);
     if most - least < 0.1 * (high - low) / high.abs().max(low.abs()) * least {
-        let units = if low > 0.0 { declared.of_answer((least, most), high / low) } else { Vec::new() };
+        let units = if low > 0.0 { declared.units_by_response((least, most), high / low) } else { Vec::new() };
         return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
     }
     let ends = saturation::ends(trace, pressure_pa, motion, readout);
@@ -74,7 +74,7 @@ pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<()
     }
     let median_pa = median(pressure_pa.to_vec());
     if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
-        let units = declared.of_level(median_pa);
+        let units = declared.units_by_level(median_pa);
         return Err(Error::ImplausiblePressure { trace: trace.to_owned(), median_pa, units });
     }
     Ok(())

@@ -165,16 +165,16 @@ fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extremes(position_m);
     let least_m = DEVIATIONS * std::f64::consts::SQRT_2 * position_noise(position_m);
     let moves = |k: &usize| {
-        let way = |from: usize, to: usize| {
-            let way = (position_m[to] - position_m[from]).abs();
-            if way > least_m { way } else { 0.0 }
+        let travel_m = |from: usize, to: usize| {
+            let travel_m = (position_m[to] - position_m[from]).abs();
+            if travel_m > least_m { travel_m } else { 0.0 }
         };
         // The displacement in the gap, or the one that the speed on either side would make there.
-        let goes_on = |from: usize, to: usize| way(from, to) * steps[*k] / (time_s[to] - time_s[from]);
-        let before = goes_on(k - ROWS_OF_SPEED, *k);
+        let extrapolated_m = |from: usize, to: usize| travel_m(from, to) * steps[*k] / (time_s[to] - time_s[from]);
+        let before = extrapolated_m(k - ROWS_OF_SPEED, *k);
         let to = (k + 1 + ROWS_OF_SPEED).min(time_s.len() - 1);
-        let behind = if to > k + 1 { goes_on(k + 1, to) } else { 0.0 };
-        way(*k, k + 1).max(before).max(behind) > policy::GAP_WAY * (high - low)
+        let behind = if to > k + 1 { extrapolated_m(k + 1, to) } else { 0.0 };
+        travel_m(*k, k + 1).max(before).max(behind) > policy::GAP_TRAVEL * (high - low)
     };
     long.into_iter().filter(moves).map(|k| k + 1).collect()
 }
@@ -187,8 +187,8 @@ mod tests {
     /// 0.1 m to 0.05 m from 1 s on in 0.4 s, and back from 3 s on.
     fn stroke(time: f64) -> f64 {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        let way = |begin: f64| smooth(((time - begin) / 0.4).clamp(0.0, 1.0));
-        0.1 - 0.05 * (way(1.0) - way(3.0))
+        let travel = |begin: f64| smooth(((time - begin) / 0.4).clamp(0.0, 1.0));
+        0.1 - 0.05 * (travel(1.0) - travel(3.0))
     }
 
     /// Five seconds at 100 Hz without the rows in these stretches, s.
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_before_a_gap_and_behind_it_is_followed_as_far_as_there_are_rows() {
+    fn the_stroke_on_either_side_of_a_gap_is_followed_as_far_as_there_are_rows() {
         let (_, motion) = motion_of(&[1.155..1.305]);
         let near = Cell::new(0);
         for t in [1.05, 1.1, 1.15, 1.31, 1.35] {

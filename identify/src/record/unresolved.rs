@@ -20,11 +20,11 @@ const SHORT: f64 = 8.0;
 
 /// Whether most of the travel of a record averaged over `window`, s, is in moves hardly longer than that.
 pub fn hides_moves(motion: &Motion, window: f64) -> bool {
-    let way = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
+    let travel = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
         let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move && is_asked(s));
         moves.map(|s| s.stroke.range()).map(|(low, high)| high - low).sum()
     };
-    way(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * way(&|_| true)
+    travel(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * travel(&|_| true)
 }
 
 /// A stroke whose record is a moving average.

@@ -15,14 +15,14 @@ use rayon::prelude::*;
 pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
     let residuals = misfit::residuals(data, fit);
     let found = outliers::in_residuals(data, &residuals);
-    let mut other = data.looked_at(&fit.looks(data));
-    other = other.as_ref().unwrap_or(data).stirred(fit.by_speed_pa(data)).or(other);
+    let mut other = data.with_timings(&fit.sensor_timings(data));
+    other = other.as_ref().unwrap_or(data).with_convection_responses(fit.convection_responses_pa(data)).or(other);
     if !data.is_without(&found) {
         other = Some(other.unwrap_or_else(|| data.clone()).without(&found));
     }
     let shown = other.as_ref().unwrap_or(data);
     // Repeats that differ within the uncertainty of their moves seemed to differ by more than noise before.
-    let tells_noise = tells_noise || shown.is_stirred();
+    let tells_noise = tells_noise || shown.has_convection_errors();
     let leaves_far_less = misfit::rms(shown, &residuals) < policy::FAR_LESS_NOISE * shown.noise.total_pa();
     if tells_noise || leaves_far_less {
         let noise = colour::estimate(shown, &residuals, &shown.noise);
@@ -136,7 +136,11 @@ mod tests {
             deviations.push(adequacy::test(&data, &fit).squares_deviations);
             data = as_shown_by(&data, &fit, false).unwrap_or(data);
         }
-        assert!(data.is_stirred() && data.noise.colours.is_empty() && data.noise.hum.is_none(), "{:?}", data.noise);
+        assert!(
+            data.has_convection_errors() && data.noise.colours.is_empty() && data.noise.hum.is_none(),
+            "{:?}",
+            data.noise
+        );
         assert!((data.noise.white_pa / 20.0 - 1.0).abs() < 0.1, "{:?}", data.noise);
         assert!(
             deviations[0] > 2.0 * policy::SQUARES_DEVIATIONS && deviations[1] < policy::SQUARES_DEVIATIONS,
@@ -146,6 +150,6 @@ mod tests {
         let found = fit.chamber().heat_transfer.coefficient;
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
         // A model without forced convection does not show this.
-        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().is_stirred());
+        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().has_convection_errors());
     }
 }
