@@ -12,7 +12,7 @@ pub const MOST_TERMS: usize = 4;
 /// Most terms in a model, those of the recording included: a rig's logger may well have two of its own.
 pub const MOST_IN_ALL: usize = 6;
 /// Sets that go on to the next term: so many of all, and so many of those without terms of single records.
-pub const GO_ON: usize = 3;
+pub const BEAM_WIDTH: usize = 3;
 /// Best sets that are joined in pairs: of the single terms, and later, where none enters alone, of the chosen set's
 /// extensions.
 pub const PAIRED: usize = 6;

@@ -5,7 +5,7 @@ use chamber::effects::{self, WallHeating};
 use chamber::simulate::Start;
 use identify::fit::covariance;
 use identify::forward::{Correction, Run, Undisturbed};
-use identify::parameters::{OwnStart, names};
+use identify::parameters::{RecordStart, names};
 use identify::record::data::Data;
 use identify::search::{self, Found, Verdict, baseline};
 use identify::synthetic::recording::{self, Disturbance, Scattered};
@@ -189,7 +189,7 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
     recipe.faults.offset_pa.between = 500.0;
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Adequate, vec![]));
-    assert!(!found.chosen.model.own.is_empty());
+    assert!(!found.chosen.model.per_record.is_empty());
     let chamber = found.chosen.fit.chamber_of_rig();
     assert_eq!(names(chamber.active()), Vec::<&str>::new(), "what a record has for itself is none of the rig's model");
     let lambda0 = chamber.heat_transfer.coefficient;
@@ -386,7 +386,7 @@ fn gas_that_is_warm_at_the_start_of_every_record_is_no_warm_wall() {
     recipe.faults.stated.ambient_offset_k = -3.0;
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]));
-    assert!(found.chosen.model.own_start == OwnStart::Gas);
+    assert!(found.chosen.model.record_start == RecordStart::Gas);
 }
 
 #[test]

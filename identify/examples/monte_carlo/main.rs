@@ -196,7 +196,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     let mut h = t.baseline.fit.hypothesis.clone();
     (h.model.effects, h.base) = (set.recipe.chamber.active(), set.recipe.chamber);
     h.axes.clear();
-    match fit::fit(&data, &h, Vec::new(), h.first_owns(&data), &fit::all_blocks(&data)) {
+    match fit::fit(&data, &h, Vec::new(), h.record_guesses(&data), &fit::all_blocks(&data)) {
         Ok(truth) => {
             println!("truth: chi2 {:.1} of {} blocks", truth.chi2, truth.blocks);
             worst(&data, &truth);

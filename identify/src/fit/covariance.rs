@@ -122,7 +122,7 @@ impl Parts {
         let by_stated = &inverse * by_stated * spread_of_stated(fit, leaves_noise);
         let mut records = inverse.clone();
         if !leaves_noise {
-            let robust = &inverse * meat(fit, &free) * &inverse;
+            let robust = &inverse * cluster_score_sum(fit, &free) * &inverse;
             let freedom = (fit.blocks as f64 - m as f64).max(1.0);
             let scale = (fit.marginal / freedom).max(1.0);
             for i in 0..m {
@@ -157,9 +157,9 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
 pub fn of_record(fit: &Fit, record: usize, rig: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let l = &fit.linear[record];
     let free = fit.rig.len();
-    let own = inverse(&l.by_own.tr_mul(&l.by_own))?;
-    let follows = &own * l.by_own.tr_mul(&l.by_rig.columns(0, free));
-    Some(&own + &follows * rig * follows.transpose())
+    let of_record = inverse(&l.by_record.tr_mul(&l.by_record))?;
+    let follows = &of_record * l.by_record.tr_mul(&l.by_rig.columns(0, free));
+    Some(&of_record + &follows * rig * follows.transpose())
 }
 
 /// Inverse of a symmetric matrix whose rows differ in scale.
@@ -172,14 +172,14 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// Σ over clusters of score scoreᵀ, with the per-record parameters projected out.
-fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
+fn cluster_score_sum(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
     let mut sum = DMatrix::<f64>::zeros(m, m);
     let traces = fit.linear.iter().filter(|l| l.blocks > 0).count();
     let mut clusters = 0.0;
     for l in fit.linear.iter().filter(|l| l.blocks > 0) {
-        let projected = project_out(&l.by_rig, &l.by_own);
+        let projected = project_out(&l.by_rig, &l.by_record);
         let rows = l.residual.len();
         let size = if traces >= 6 { rows } else { rows.div_ceil(PARTS_OF_ONE) };
         for first in (0..rows).step_by(size.max(1)) {
@@ -211,7 +211,7 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
 /// Values and intervals of the rig's free parameters; at a bound, the interval extends to the allowed side.
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
-    let variance = |i: usize| if fit.at_bound[i] { beside_all(fit, i) } else { covariance[(i, i)] };
+    let variance = |i: usize| if fit.at_bound[i] { profile_variance(fit, i) } else { covariance[(i, i)] };
     let each = h.axes.iter().zip(&fit.rig).enumerate();
     each.map(|(i, (axis, x))| {
         let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
@@ -230,7 +230,7 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
 /// Variance of a coordinate together with the other free ones and the stated parameters within their tolerances; this coordinate
 /// counts as free even at a bound. What the records allow on the bound's one side is at most half a normal distribution, 95 % of
 /// which lies within the same 1.96 standard deviations. Zero for a parameter without influence.
-pub fn beside_all(fit: &Fit, coordinate: usize) -> f64 {
+pub fn profile_variance(fit: &Fit, coordinate: usize) -> f64 {
     let free = fit.rig.len();
     let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
     let places: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();

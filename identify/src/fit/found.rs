@@ -18,7 +18,7 @@ pub struct Fit {
     /// The rig's coordinates.
     pub rig: Vec<f64>,
     /// Each record's coordinates.
-    pub own: Vec<Vec<f64>>,
+    pub records: Vec<Vec<f64>>,
     /// Sum of squares of the whitened residuals.
     pub chi2: f64,
     /// The same with the stated parameters free within their tolerances, including the squares of their moves.
@@ -26,7 +26,7 @@ pub struct Fit {
     /// These moves of the stated parameters, in tolerances.
     pub moved: Vec<f64>,
     /// The moves of the rig's free coordinates that go with them.
-    pub follow: Vec<f64>,
+    pub rig_move: Vec<f64>,
     /// Sum of squares that effects which smear or shift the records may remove merely by smoothing the noise of the stroke.
     pub smoothed: f64,
     /// Number of blocks used.
@@ -36,7 +36,7 @@ pub struct Fit {
     /// Normal matrix of the rig's free and stated parameters, including priors, with the per-record parameters eliminated.
     pub information: DMatrix<f64>,
     /// Right-hand side that belongs to that matrix.
-    pub asked: DVector<f64>,
+    pub right_hand_side: DVector<f64>,
     /// Which free parameters of the rig ended at a bound.
     pub at_bound: Vec<bool>,
     /// Which parameters of the linearised problem, free or stated, may move to the values that the records favour: all but those
@@ -87,17 +87,17 @@ impl Fit {
 
     /// The rig's coordinates with the stated parameters at their best move.
     pub fn rig_moved(&self) -> Vec<f64> {
-        super::moved(&self.rig, &self.follow, self.hypothesis.axes.iter().map(|axis| axis.bounds))
+        super::stepped(&self.rig, &self.rig_move, self.hypothesis.axes.iter().map(|axis| axis.bounds))
     }
 
     /// A record's coordinates at that move, to first order from the normal equations.
-    pub fn own_moved(&self, data: &Data, record: usize) -> Vec<f64> {
-        let (l, own) = (&self.linear[record], &self.own[record]);
-        let all: Vec<f64> = self.follow.iter().chain(&self.moved).copied().collect();
+    pub fn record_moved(&self, data: &Data, record: usize) -> Vec<f64> {
+        let (l, x) = (&self.linear[record], &self.records[record]);
+        let all: Vec<f64> = self.rig_move.iter().chain(&self.moved).copied().collect();
         let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
-        let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
-        let bounds = self.hypothesis.own_of(&data.traces[record]).into_iter().map(|axis| axis.bounds);
-        step.map_or_else(|| own.clone(), |step| super::moved(own, step.as_slice(), bounds))
+        let step = l.by_record.tr_mul(&l.by_record).cholesky().map(|square| square.solve(&l.by_record.tr_mul(&left)));
+        let bounds = self.hypothesis.record_axes(&data.traces[record]).into_iter().map(|axis| axis.bounds);
+        step.map_or_else(|| x.clone(), |step| super::stepped(x, step.as_slice(), bounds))
     }
 
     /// The fitted chamber.
@@ -109,7 +109,7 @@ impl Fit {
     /// A negative dead volume means that positions read too high, and is set to zero.
     pub fn chamber_of_rig(&self) -> Chamber {
         let mut chamber = self.chamber();
-        chamber.effects = chamber.effects.without(self.hypothesis.model.own);
+        chamber.effects = chamber.effects.without(self.hypothesis.model.per_record);
         chamber.geometry.dead_volume = chamber.geometry.dead_volume.max(0.0);
         chamber
     }
@@ -121,8 +121,8 @@ impl Fit {
     }
 
     /// The simulation setting of a record, at the stated parameters.
-    pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
-        self.hypothesis.setting(trace, &self.rig, &[], own)
+    pub fn setting(&self, trace: &Prepared, record: &[f64]) -> Setting<f64> {
+        self.hypothesis.setting(trace, &self.rig, &[], record)
     }
 
     /// How each record's readings depend on the recorded stroke.
@@ -134,7 +134,11 @@ impl Fit {
             delay_s: values.delay(set) - values.stroke_delay(set),
             filter_s: values.stroke_filter(set),
         };
-        data.traces.iter().zip(&self.own).map(|(t, own)| timing(&self.setting(t, own).chamber.effects)).collect()
+        data.traces
+            .iter()
+            .zip(&self.records)
+            .map(|(t, record)| timing(&self.setting(t, record).chamber.effects))
+            .collect()
     }
 
     /// Response of the pressure in each row to a relative change of the forced-convection heat, Pa per unit, record by record;
@@ -142,8 +146,8 @@ impl Fit {
     pub fn convection_responses_pa(&self, data: &Data) -> Vec<Vec<f64>> {
         const SMALL: f64 = 0.05;
         let set = self.hypothesis.model.effects;
-        let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
-            let setting = self.setting(t, own);
+        let of_record = |(t, record): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
+            let setting = self.setting(t, record);
             let mut more = setting;
             more.chamber.effects.of_mut(ForcedConvection::PLACE)[0] *= 1.0 + SMALL;
             let (here, there) = (readings(t, &setting, set).ok()?, readings(t, &more, set).ok()?);
@@ -152,15 +156,15 @@ impl Fit {
         if !set.has(ForcedConvection::PLACE) {
             return vec![Vec::new(); data.traces.len()];
         }
-        data.traces.par_iter().zip(&self.own).map(|record| of_record(record).unwrap_or_default()).collect()
+        data.traces.par_iter().zip(&self.records).map(|record| of_record(record).unwrap_or_default()).collect()
     }
 
     /// Moves the stated parameters that adapt to the values that the records favour, within their tolerances.
     pub(super) fn move_within_tolerances(&mut self) {
         let mut adapts = std::mem::take(&mut self.adapts);
         if let Some((left, x)) = self.credible_move(&mut adapts) {
-            let (follow, moved) = x.split_at(self.rig.len());
-            (self.marginal, self.moved, self.follow) = (left, moved.to_vec(), follow.to_vec());
+            let (rig_move, moved) = x.split_at(self.rig.len());
+            (self.marginal, self.moved, self.rig_move) = (left, moved.to_vec(), rig_move.to_vec());
         }
         self.adapts = adapts;
     }
@@ -171,10 +175,10 @@ impl Fit {
     }
 
     /// The move of a stated parameter that the records favour, in tolerances, and [`Fit::marginal`] without it.
-    pub fn asked(&self, slot: Slot) -> Option<(f64, f64)> {
+    pub fn favoured_move(&self, slot: Slot) -> Option<(f64, f64)> {
         let (place, mut adapts) = (self.place_of(slot)?, self.adapts.clone());
         adapts[self.rig.len() + place] = false;
-        let (left, _) = self.best_weighed(&self.as_stated(), &adapts)?;
+        let (left, _) = self.best_weighed(&self.unit_weights(), &adapts)?;
         Some((self.moved[place], left))
     }
 
@@ -187,8 +191,8 @@ impl Fit {
 
     /// [`Fit::marginal`] with the tolerance of the position's nonlinearity multiplied by this factor, and the largest amplitude
     /// then reached, in tolerances.
-    pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
-        let (mut weights, mut adapts) = (self.as_stated(), self.adapts.clone());
+    pub fn marginal_with_nonlinear_positions(&self, factor: f64) -> Option<(f64, f64)> {
+        let (mut weights, mut adapts) = (self.unit_weights(), self.adapts.clone());
         for wave in self.waves() {
             weights[wave] = 1.0 / (factor * factor);
             adapts[self.rig.len() + wave] = true;
@@ -210,7 +214,7 @@ impl Fit {
         const FADES_WITHIN: f64 = 1.0;
         /// After this many rounds the sum of squares no longer changes.
         const ROUNDS: usize = 3;
-        let mut weights = self.as_stated();
+        let mut weights = self.unit_weights();
         let mut best = self.best_weighed(&weights, adapts)?;
         if let Some(gas) = self.place_of(Slot::HeatCapacityRatio) {
             for _ in 0..ROUNDS {
@@ -235,7 +239,7 @@ impl Fit {
     /// Sum of squares left by the best move of all adapting parameters, including the move's own squares, and that move, with
     /// these weights of the stated parameters' squares.
     fn best_weighed(&self, weights: &[f64], adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
-        let (mut matrix, mut right) = (self.information.clone(), self.asked.clone());
+        let (mut matrix, mut right) = (self.information.clone(), self.right_hand_side.clone());
         self.hypothesis.add_priors_of_stated(&mut matrix, &mut right, |k| weights[k] - 1.0);
         let of_prior = |(axis, weight): (&Axis, &f64)| weight * axis.mean() * axis.mean();
         let unmoved = self.chi2 + self.hypothesis.stated.iter().zip(weights).map(of_prior).sum::<f64>();
@@ -244,7 +248,7 @@ impl Fit {
     }
 
     /// Unit weights: the squares of the stated parameters in their tolerances.
-    fn as_stated(&self) -> Vec<f64> {
+    fn unit_weights(&self) -> Vec<f64> {
         vec![1.0; self.moved.len()]
     }
 
@@ -266,7 +270,7 @@ impl Fit {
     /// Number of free parameters, not counting those that every record has.
     pub fn freedom(&self) -> usize {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
-        self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
+        self.hypothesis.freedom((0..self.records.len()).filter(takes_part))
     }
 }
 
@@ -335,10 +339,10 @@ mod tests {
         // The move if all squares are scaled to the remaining misfit, which makes them less certain.
         let mut scaled = fit.clone();
         scaled.information *= 1.0 / over_noise;
-        scaled.asked *= 1.0 / over_noise;
+        scaled.right_hand_side *= 1.0 / over_noise;
         let gas = fit.rig.len() + place;
         scaled.information[(gas, gas)] += 1.0 - 1.0 / over_noise;
-        let (_, x) = super::best_move(&scaled.information, &scaled.asked, &fit.adapts).unwrap();
+        let (_, x) = super::best_move(&scaled.information, &scaled.right_hand_side, &fit.adapts).unwrap();
         assert!((fit.moved[place] / x[gas] - 1.0).abs() < 0.01, "{} {}", fit.moved[place], x[gas]);
     }
 

@@ -29,14 +29,14 @@ pub fn of_record(t: &Prepared, setting: &Setting<f64>, set: EffectSet) -> Result
 
 /// Row residuals, Pa, record by record; NaN where the simulation fails.
 pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
-    each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.own[k]))
+    each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.records[k]))
 }
 
 /// The same with the stated parameters moved within their tolerances, as the fit favours.
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
     // The free rig and per-record parameters adapt to the stated ones, to first order from the normal equations.
     each_record(data, fit, |k| {
-        fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.own_moved(data, k))
+        fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.record_moved(data, k))
     })
 }
 
@@ -146,7 +146,7 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segme
     let rows = repeats::aligned_data_rows(&traces, segment);
     let length = rows[0].len();
     let aligned: Vec<Vec<f64>> =
-        of_experiment.iter().zip(&rows).map(|(&k, own)| own.iter().map(|&i| residuals[k][i]).collect()).collect();
+        of_experiment.iter().zip(&rows).map(|(&k, rows)| rows.iter().map(|&i| residuals[k][i]).collect()).collect();
     let (mut sum, mut pairs) = (0.0, 0.0);
     for (i, a) in aligned.iter().enumerate() {
         for b in &aligned[i + 1..] {
@@ -159,9 +159,9 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segme
 
 /// Pressure variance in a segment due to the rounding of the held piston's position, Pa².
 fn by_rounding(t: &Prepared, segment: usize) -> f64 {
-    let own = t.blocks.iter().filter(|b| b.segment == segment);
+    let held = t.blocks.iter().filter(|b| b.segment == segment);
     let (sum, rows) =
-        own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.position_rounding_sd_pa.powi(2), n + b.rows));
+        held.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.position_rounding_sd_pa.powi(2), n + b.rows));
     sum / rows.max(1) as f64
 }
 

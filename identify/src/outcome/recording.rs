@@ -6,7 +6,7 @@ use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
-use crate::parameters::{Model, Own, OwnStart};
+use crate::parameters::{Model, RecordSlot, RecordStart};
 use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
@@ -75,11 +75,11 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], leaves_noise: boo
     (0..data.traces.len())
         .map(|k| {
             let t = &data.traces[k];
-            let own = covariance::of_record(fit, k, &rig);
-            let axes = fit.hypothesis.own_of(t);
-            let estimate = |(i, axis): (usize, &crate::parameters::Axis<crate::parameters::Own>)| {
-                let variance = own.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
-                (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
+            let covariance = covariance::of_record(fit, k, &rig);
+            let axes = fit.hypothesis.record_axes(t);
+            let estimate = |(i, axis): (usize, &crate::parameters::Axis<crate::parameters::RecordSlot>)| {
+                let variance = covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
+                (axis.slot.name(), covariance::estimate(axis, fit.records[k][i], variance, axis.slot.unit()))
             };
             let (sum, rows) = misfit::squares(t, &residuals[k], 0);
             RecordFound {
@@ -340,7 +340,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     }
     out.extend(other_gas::sentence(data, found));
     if found.verdict != Verdict::Adequate {
-        out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));
+        out.extend(stated_numbers::nonlinear_positions(data, &found.baseline.fit));
     }
     if let Some(effects) = found.by_geometry {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
@@ -349,7 +349,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             listed(&names)
         ));
     }
-    if let Some(r) = found.read_off.as_ref().filter(|r| !r.fate.is_accepted()) {
+    if let Some(r) = found.curve_fit.as_ref().filter(|r| !r.fate.is_accepted()) {
         out.push(format!(
             "the best curve, a {} over the {}, is not in the model, because {}; the error on left-out data goes from {} to {} Pa with it",
             discrepancy::quantity(r.first_order.term),
@@ -359,10 +359,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             digits(r.left_out_pa[1], 3)
         ));
     }
-    if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
+    if found.verdict == Verdict::Adequate && found.chosen.model.per_record != EffectSet::NONE {
         out.push("the records differ in how they were recorded (the report and `records` in the JSON show it), not in physics".to_owned());
     }
-    if let Some(other) = found.coefficient_stands_for() {
+    if let Some(other) = found.set_with_plausible_coefficient() {
         let of = |fit: &Fit| digits(fit.chamber().heat_transfer.coefficient, 3);
         out.push(format!(
             "lambda0 = {} W/(m2 K) is not possible for a gas in a cylinder: it makes up for what the paper's model lacks. With {} it is {}",
@@ -373,10 +373,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     }
     out.extend(common_start(data, fit));
     out.extend(positions_too_far(&found.reported().fit, found.adequacy().is_adequate()));
-    if found.follows_the_test {
-        let Model { own, own_start, .. } = found.chosen.model;
-        let wall = Some(own_start).filter(|start| *start == OwnStart::GasAndWall).and_then(OwnStart::term);
-        let names: Vec<&str> = own.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
+    if found.depends_on_test {
+        let Model { per_record, record_start, .. } = found.chosen.model;
+        let wall = Some(record_start).filter(|start| *start == RecordStart::GasAndWall).and_then(RecordStart::term);
+        let names: Vec<&str> = per_record.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
         out.push(format!(
             "{} of the records: alike in the repeats of each test, but different from test to test, so a property of the rig causes it",
             listed(&names)
@@ -416,7 +416,7 @@ pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
 /// The note on what the records' initial temperatures have in common, where they are fitted and that is more than chance.
 fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     const DEVIATIONS: f64 = 4.0;
-    let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.own, Own::Temperature));
+    let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.records, RecordSlot::Temperature));
     let warmer_k: Vec<f64> =
         of_each.filter_map(|(t, number)| number.map(|(axis, x)| axis.value(x) - t.initial_temperature_k)).collect();
     let count = warmer_k.len() as f64;

@@ -26,7 +26,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if !found.carries_over {
         return "on records left out whole it errs much more than on those it is fitted to".to_owned();
     }
-    if found.follows_the_test {
+    if found.depends_on_test {
         return "what each record has for itself differs from test to test".to_owned();
     }
     let fit = &found.reported().fit;
@@ -71,7 +71,7 @@ mod tests {
         found.carries_over = false;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("records left out whole"));
         found.carries_over = true;
-        found.follows_the_test = true;
+        found.depends_on_test = true;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("from test to test"));
     }
 }

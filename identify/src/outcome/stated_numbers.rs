@@ -50,10 +50,10 @@ pub fn moved_zero(data: &Data) -> Option<String> {
 
 /// The note that a position sensor less straight than its tolerance allows would account for the records with the paper's model
 /// alone.
-pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
+pub fn nonlinear_positions(data: &Data, paper: &Fit) -> Option<String> {
     /// In tolerances: 0.2 % of the way by default, as much as a plain potentiometer may be off.
     const MOST: f64 = 10.0;
-    let (squares, tolerances) = paper.marginal_of_crooked_positions(MOST)?;
+    let (squares, tolerances) = paper.marginal_with_nonlinear_positions(MOST)?;
     let is_open = (TOLERANCES..MOST).contains(&tolerances) && are_squares_of_noise(data, paper, squares);
     is_open.then(|| {
         format!(
@@ -114,7 +114,7 @@ mod tests {
             let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) };
             change(&mut recipe);
             let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-            crooked_positions(&data, &fit)
+            nonlinear_positions(&data, &fit)
         };
         let bent =
             |amplitude| said(&|recipe| recipe.faults.position_wave = Some(Wave { amplitude, angles: [0.0, TAU] }));

@@ -42,8 +42,8 @@ pub struct Block {
     /// Long-run sensitivity of the pressure to a position error, Pa/m.
     pub per_metre: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: due to the mean of its measured position, to the
-    /// slope of that position, to the time at which the move before really ended (`common_errors.rs`), and the relaxing one: due to the
-    /// position before that move and to the heat of forced convection in it (`convection_errors.rs`).
+    /// slope of that position, to the time at which the move before really ended (`common_errors.rs`), and the relaxing one: due
+    /// to the position before that move and to the heat of forced convection in it (`convection_errors.rs`).
     pub common_sd_pa: [f64; IN_COMMON],
     /// What the piston does.
     pub phase: Phase,

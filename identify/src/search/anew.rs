@@ -47,8 +47,8 @@ impl Search {
     /// Before, repeats that were read at different times, or that moved differently, differ by more than noise. Everything tried
     /// is refitted.
     pub(super) fn reweigh(&mut self) {
-        let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
-        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
+        let has_record_timings = self.chosen.model.per_record.iter().any(|e| terms::of_timing().has(e));
+        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_record_timings) else { return };
         self.begin_again(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::REJUDGED);
@@ -71,7 +71,7 @@ impl Search {
 
     pub(super) fn refit(&self, fit: &Fit, until: Until) -> Option<Fit> {
         let selection = fit::all_blocks(&self.data);
-        fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &selection, until).ok()
+        fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.records.clone(), &selection, until).ok()
     }
 
     /// Refits candidates, given best first; those that stay far above the best are given up.

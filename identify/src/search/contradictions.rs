@@ -35,7 +35,7 @@ pub(super) fn refuse(data: &Data, found: &Found) -> Result<(), Error> {
     if let Some(better) = found.better_than_reported(data) {
         sanity::dead_volume(data, &better.fit)?;
     }
-    if found.coefficient_stands_for().is_none() {
+    if found.set_with_plausible_coefficient().is_none() {
         sanity::coefficient(data, &found.reported().fit)?;
     }
     Ok(())

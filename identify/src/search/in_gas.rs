@@ -17,15 +17,15 @@ use crate::record::data::Data;
 /// As [`at_zero::search`].
 pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     let (data, found) = at_zero::search(data, progress)?;
-    let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
+    let Some(tolerances) = favoured_move(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, in the gas that the records ask for"), share);
     let elsewhere = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
     Ok(moved::which_counts((data, found), elsewhere))
 }
 
 /// Move of the gas, in tolerances, where the result leaves only noise and little doubt of the move.
-fn asked(found: &Found) -> Option<f64> {
-    found.adequacy().is_noise.then(|| moved::asked(&found.reported().fit, Slot::HeatCapacityRatio))?
+fn favoured_move(found: &Found) -> Option<f64> {
+    found.adequacy().is_noise.then(|| moved::favoured_move(&found.reported().fit, Slot::HeatCapacityRatio))?
 }
 
 #[cfg(test)]

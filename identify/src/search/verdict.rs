@@ -7,16 +7,16 @@ use chamber::card::Tried;
 use chamber::effects::CARDS;
 
 impl Search {
-    /// The verdict on the chosen model: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out
+    /// The verdict on the chosen model: `depends_on_test` by [`test_dependence`](crate::judge::test_dependence), `carries_over` to records left out
     /// whole.
-    pub(super) fn verdict(&self, follows_the_test: bool, carries_over: bool) -> Verdict {
+    pub(super) fn verdict(&self, depends_on_test: bool, carries_over: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
         // Noise is just noise, whatever the misfit was before.
         let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
-        if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
+        if !depends_on_test && self.chosen_adequacy.accounts_for(before_pa) {
             return match self.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
                 _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
@@ -94,7 +94,7 @@ impl Search {
     }
 
     /// Whether the chosen model is adequate with credible ambient temperatures of the records.
-    pub(super) fn is_settled(&self) -> bool {
+    pub(super) fn is_credibly_adequate(&self) -> bool {
         self.chosen_adequacy.is_adequate() && !self.chosen.fit.needs_other_surroundings()
     }
 }
@@ -173,7 +173,7 @@ mod tests {
         // With few records, each of which need not show all of the effect, it is enough that most of the error goes.
         search.data.traces.truncate(3);
         search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
-        search.chosen.fit.own.truncate(3);
+        search.chosen.fit.records.truncate(3);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
         search.chosen.held_out = share_of_baseline(&search, 0.4);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
