@@ -32,7 +32,7 @@ fn heat_from_friction_becomes_a_curve_over_the_piston_s_power_that_leaves_noise(
 }
 
 #[test]
-fn a_sensor_that_hangs_back_has_no_curve_that_carries_over() {
+fn hysteresis_of_the_sensor_gives_no_curve_that_carries_over() {
     let (_, found) = traced(Outside::Hysteresis(600.0));
     let accepted =
         found.curve_fit.filter(|r| r.fate.is_accepted()).map(|r| (r.first_order.term, r.first_order.variable));

@@ -115,7 +115,7 @@ fn a_row_or_two_lost_in_a_move_and_a_gap_in_a_hold_change_next_to_nothing() {
 }
 
 #[test]
-fn a_validation_compares_what_is_before_a_gap_or_fits_how_warm_the_gas_comes_out_of_it() {
+fn a_validation_compares_the_rows_before_a_gap_or_fits_the_temperature_behind_it() {
     let mut recipe = there_and_back(5);
     recipe.tests.truncate(2);
     let (whole, rig) = (recipe.rig(), with_gaps(&recipe));

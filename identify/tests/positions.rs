@@ -44,7 +44,7 @@ fn positions_that_count_from_the_end_of_the_travel_leave_the_coefficient_as_it_i
 }
 
 #[test]
-fn positions_that_are_longer_than_recorded_are_passed_at_a_higher_speed() {
+fn positions_of_a_larger_scale_than_recorded_have_a_higher_speed() {
     // Forced convection knows the speed, the gas column's length the way.
     let (recipe, rig) = rig();
     let recipe = recipe.with("forced_convection", &[1.5]).with("gas_column_length", &[-0.3, 0.1]);
@@ -82,7 +82,7 @@ fn diagnosed(name: &str, recipe: Recipe) -> (Verdict, Vec<&'static str>) {
 }
 
 #[test]
-fn a_note_says_how_much_of_an_error_the_noise_of_the_positions_is() {
+fn a_note_states_the_error_due_to_position_noise() {
     let notes = |position_noise_m: f64| {
         let recipe = Recipe { position_noise_m, repeats: 1, ..Recipe::from_seed(21) };
         identify::identify(&recipe.rig(), Method::Exact).unwrap().assumptions

@@ -200,7 +200,7 @@ mod tests {
     use chamber::record::Mesh;
 
     #[test]
-    fn a_step_to_a_bound_goes_along_the_valley() {
+    fn a_step_limited_by_a_bound_follows_the_valley() {
         // Residuals 1000 (y − x) and x + y − 8, starting from x = y = 0: the minimum is at x = y = 4, and at x = 1 for y ≤ 1.
         let by_both = DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]);
         let (none, wide, bounded) = (DMatrix::zeros(2, 0), [-10.0, 10.0], [-10.0, 1.0]);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn sensitivities_that_are_not_numbers_lead_nowhere() {
+    fn sensitivities_that_are_not_numbers_give_no_step() {
         let by_record = DMatrix::from_row_slice(2, 1, &[1.0, f64::NAN]);
         let by_rig = DMatrix::from_element(2, 1, 1.0);
         let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_record, mesh: Mesh::default() };

@@ -171,7 +171,7 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
-/// Σ over clusters of score scoreᵀ, with the per-record parameters projected out.
+/// Σ over clusters of score scoreᵀ (the "meat" of the sandwich estimator), with the per-record parameters projected out.
 fn cluster_score_sum(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();

@@ -260,7 +260,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     #[test]
-    fn a_step_that_is_bent_by_what_it_missed_comes_an_order_nearer() {
+    fn the_second_order_correction_raises_the_order_of_a_step_by_one() {
         // Model x + x²/2 in two blocks, starting from zero.
         let model = |x: f64| x + 0.5 * x * x;
         let error = |target: f64| {

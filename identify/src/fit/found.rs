@@ -25,7 +25,7 @@ pub struct Fit {
     pub marginal: f64,
     /// These moves of the stated parameters, in tolerances.
     pub moved: Vec<f64>,
-    /// The moves of the rig's free coordinates that go with them.
+    /// The moves of the rig's free coordinates with them.
     pub rig_move: Vec<f64>,
     /// Sum of squares that effects which smear or shift the records may remove merely by smoothing the noise of the stroke.
     pub smoothed: f64,
@@ -35,7 +35,7 @@ pub struct Fit {
     pub linear: Vec<Linear>,
     /// Normal matrix of the rig's free and stated parameters, including priors, with the per-record parameters eliminated.
     pub information: DMatrix<f64>,
-    /// Right-hand side that belongs to that matrix.
+    /// Right-hand side of these normal equations.
     pub right_hand_side: DVector<f64>,
     /// Which free parameters of the rig ended at a bound.
     pub at_bound: Vec<bool>,
@@ -125,7 +125,7 @@ impl Fit {
         self.hypothesis.setting(trace, &self.rig, &[], record)
     }
 
-    /// How each record's readings depend on the recorded stroke.
+    /// Timing of each record's readings relative to the recorded stroke.
     pub fn sensor_timings(&self, data: &Data) -> Vec<SensorTiming> {
         let set = self.hypothesis.model.effects;
         let timing = |values: &EffectValues| SensorTiming {
@@ -302,7 +302,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn positions_farther_off_a_straight_line_than_is_believed_take_off_less_and_less_and_at_last_nothing() {
+    fn waves_of_the_positions_beyond_their_credible_amplitude_remove_ever_less_of_the_misfit() {
         let left = |tolerances: f64| {
             let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
             recipe.faults.position_wave = Some(Wave { amplitude: 2e-4 * tolerances, angles: [0.0, TAU] });
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_heat_capacity_ratio_that_is_off_within_its_tolerance_takes_its_misfit_off() {
+    fn a_heat_capacity_ratio_that_is_off_within_its_tolerance_accounts_for_its_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let (_, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gas_that_would_have_to_move_far_moves_no_farther_because_much_more_than_noise_is_left() {
+    fn the_move_of_the_gas_does_not_grow_with_the_remaining_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("leakage", &[5e-11]);
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let mut data = Data::prepare(&recipe.rig()).unwrap();

@@ -12,7 +12,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// Range around these coordinates of a hypothesis; `record_axes` are the axes of each record.
+    /// Range around these coordinates of a hypothesis; `record_axes` are those of each record.
     pub fn around(h: &Hypothesis, record_axes: &[Vec<Axis<RecordSlot>>], rig: &[f64], records: &[Vec<f64>]) -> Self {
         Self {
             rig: each(&h.axes, rig),

@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_nobody_minds_settles_a_misfit_and_explains_it_only_where_it_is_noise_or_little_of_it() {
+    fn a_remainder_below_the_accuracy_accounts_for_a_misfit_and_explains_it_only_if_it_is_noise_or_little() {
         let left = |systematic_pa, is_noise| Adequacy {
             is_noise,
             systematic_pa,

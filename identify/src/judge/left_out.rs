@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_the_others_predict_add_as_many_squares_as_those_have_and_others_more() {
+    fn left_out_records_add_as_many_squares_per_degree_of_freedom_only_if_the_others_predict_them() {
         let mut recipe = Recipe::from_seed(5).with("leakage", &[2e-11]);
         let added = |recipe: &Recipe, names: &[&str]| {
             let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fast_moves_of_few_rows_leave_open_hides_no_error_elsewhere() {
+    fn the_uncertainty_of_fast_moves_of_few_rows_hides_no_error_elsewhere() {
         let mut recipe = Recipe { repeats: 2, rate_hz: 50.0, position_noise_m: 2e-4, ..Recipe::from_seed(5) };
         recipe.noise_pa = 60.0;
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn both_halves_see_a_move_of_few_rows_and_rests_are_cut_as_the_noise_remembers() {
+    fn both_halves_contain_part_of_a_move_of_few_rows_and_runs_at_rest_are_longer_than_the_noise_correlation() {
         let model: Vec<f64> = (0..400).map(|i| 1e5 + 5e4 * f64::from((i - 103).clamp(0, 6))).collect();
         let half = alternating(&model, 50);
         let of_move = &half[103..110];

@@ -171,7 +171,7 @@ fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> 
     let (mut sum, mut rows) = (0.0, 0usize);
     for b in t.blocks.iter().filter(|b| b.segment == segment) {
         for i in (b.first..b.end).filter(|&i| t.readout.is_data(i)) {
-            sum += residual[i].powi(2) - noise - left_open(t, b, i);
+            sum += residual[i].powi(2) - noise - position_variance(t, b, i);
             rows += 1;
         }
     }
@@ -179,7 +179,7 @@ fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> 
 }
 
 /// Variance of the pressure at a row of a block due to the positions, Pa².
-fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
+fn position_variance(t: &Prepared, b: &Block, row: usize) -> f64 {
     let (low, high) = (row.saturating_sub(1), (row + 1).min(t.pressure_pa.len() - 1));
     let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
     let shift_s = t.course.motion.segments[b.segment].shift_s;
@@ -193,7 +193,7 @@ pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
     let mut out = vec![1.0; t.pressure_pa.len()];
     for b in &t.blocks {
         for (weight, row) in out[b.first..b.end].iter_mut().zip(b.first..) {
-            *weight = noise / (noise + left_open(t, b, row));
+            *weight = noise / (noise + position_variance(t, b, row));
         }
     }
     out
@@ -206,7 +206,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn what_readings_that_stick_to_steps_share_in_all_repeats_is_no_misfit_but_what_a_model_is_off_is() {
+    fn a_rounding_error_that_repeats_share_is_no_misfit_and_a_model_error_is() {
         // Eight bits over ten bars.
         let recipe = Recipe { quantisation_pa: 1e6 / 256.0, noise_pa: 50.0, ..Recipe::from_seed(5) };
         let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_single_record_leaves_is_not_hidden_by_its_repeats() {
+    fn the_misfit_of_a_single_record_is_not_hidden_by_its_repeats() {
         let (data, fit) = baseline::fitted(Data::prepare(&Recipe::from_seed(5).rig()).unwrap()).unwrap();
         let mut residuals = residuals(&data, &fit);
         let noise_pa = data.noise.total_pa();

@@ -1,6 +1,6 @@
 //! Whether a per-record recording fault really is one: it is not if repeats of a test agree in it better than different tests do.
 //!
-//! A gauge's zero or a trigger's delay does not depend on which test is recorded. If it follows the kind of test (pressure,
+//! A gauge's zero or a trigger's delay does not depend on which test is recorded. If it depends on the kind of test (pressure,
 //! stroke, direction), a property of the rig causes it. One-way analysis of variance: with m records of k kinds,
 //! F = [Σ nᵢ (x̄ᵢ − x̄)²/(k − 1)] / [Σ (xᵢⱼ − x̄ᵢ)²/(m − k)], e.g. Montgomery, Design and Analysis of Experiments (2012), 3.3.
 
@@ -11,8 +11,8 @@ use crate::policy;
 use crate::record::data::Data;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Whether a per-record effect, or the wall's initial temperature, follows the kind of test by more than noise allows. The stated
-/// parameters are at the values that the records favour: their errors make all records of a kind differ alike.
+/// Whether a per-record effect, or the wall's initial temperature, depends on the kind of test by more than noise allows. The
+/// stated parameters are at the values that the records favour: their errors make all records of a kind differ alike.
 pub fn depends_on_test(data: &Data, fit: &Fit) -> bool {
     let axes: Vec<Vec<Axis<RecordSlot>>> = data.traces.iter().map(|t| fit.hypothesis.record_axes(t)).collect();
     // Every record has these.
@@ -37,7 +37,7 @@ pub fn depends_on_test(data: &Data, fit: &Fit) -> bool {
         }
         let span = span_of_means(&kinds);
         span > policy::KINDS_DEVIATIONS * uncertainty
-            && one_way(&kinds).is_some_and(|probability| probability < policy::KINDS_PROBABILITY)
+            && one_way_anova(&kinds).is_some_and(|probability| probability < policy::KINDS_PROBABILITY)
     })
 }
 
@@ -52,7 +52,7 @@ fn span_of_means(kinds: &[Vec<f64>]) -> f64 {
 }
 
 /// Probability of an F this large if the kinds do not differ; `None` without two kinds and a repeat.
-fn one_way(kinds: &[Vec<f64>]) -> Option<f64> {
+fn one_way_anova(kinds: &[Vec<f64>]) -> Option<f64> {
     let kinds: Vec<&Vec<f64>> = kinds.iter().filter(|kind| !kind.is_empty()).collect();
     let records: usize = kinds.iter().map(|kind| kind.len()).sum();
     let (between, within) = (kinds.len().checked_sub(1)?, records.checked_sub(kinds.len())?);
@@ -78,7 +78,7 @@ mod tests {
     use crate::synthetic::{Outside, Recipe};
     use chamber::effects::SensorDrift;
 
-    /// Whether per-record drifts and initial temperatures, if fitted, follow the test.
+    /// Whether per-record drifts and initial temperatures, if fitted, depend on the test.
     fn drifts_depend_on_test(recipe: &Recipe) -> bool {
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let drift = SensorDrift::SET;
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn drifts_that_stand_for_heat_of_friction_follow_the_test_and_those_of_a_wrong_bore_or_of_the_sensor_do_not() {
+    fn drifts_that_imitate_friction_heat_depend_on_the_test_and_those_of_a_wrong_bore_or_of_the_sensor_do_not() {
         let recipe = Recipe { repeats: 3, ..Recipe::from_seed(5) };
         assert!(drifts_depend_on_test(&Recipe { outside: Some(Outside::FrictionHeat(0.2)), ..recipe.clone() }));
         assert!(!drifts_depend_on_test(&recipe));
@@ -100,13 +100,13 @@ mod tests {
     #[test]
     fn the_probability_is_that_of_scipy() {
         // scipy.stats.f_oneway([0, 1, 2], [3, 4, 5]).
-        let probability = one_way(&[vec![0.0, 1.0, 2.0], vec![3.0, 4.0, 5.0], vec![]]).unwrap();
+        let probability = one_way_anova(&[vec![0.0, 1.0, 2.0], vec![3.0, 4.0, 5.0], vec![]]).unwrap();
         assert!((probability - 0.021311641128756713).abs() < 1e-12, "{probability}");
     }
 
     #[test]
-    fn a_single_kind_or_single_records_say_nothing() {
-        assert_eq!(one_way(&[vec![1.0, 2.0]]), None);
-        assert_eq!(one_way(&[vec![1.0], vec![2.0]]), None);
+    fn a_single_kind_or_single_records_give_no_probability() {
+        assert_eq!(one_way_anova(&[vec![1.0, 2.0]]), None);
+        assert_eq!(one_way_anova(&[vec![1.0], vec![2.0]]), None);
     }
 }

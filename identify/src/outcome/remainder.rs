@@ -46,7 +46,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn what_remains_is_told_by_its_size_where_it_has_one_and_else_by_what_is_wrong_with_the_model() {
+    fn the_remainder_is_described_by_its_size_or_else_by_the_fault_of_the_model() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.tests.truncate(2);
         let prepared = Data::prepare(&recipe.rig()).unwrap();

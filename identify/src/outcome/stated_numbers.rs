@@ -96,7 +96,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn a_stated_number_is_doubted_where_another_one_takes_away_most_of_the_misfit() {
+    fn a_stated_number_is_doubted_where_another_value_removes_most_of_the_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.bore_times = 1.1;
         let (data, mut fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn crooked_positions_are_told_where_they_account_for_the_records_and_not_beside_a_leak() {
+    fn nonlinear_positions_are_reported_where_they_account_for_the_records_and_not_beside_a_leak() {
         let said = |change: &dyn Fn(&mut Recipe)| {
             let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) };
             change(&mut recipe);

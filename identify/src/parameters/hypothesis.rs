@@ -361,7 +361,7 @@ mod tests {
     use chamber::effects::{DeadVolumeSurface, EffectSet, GasZones, PositionDelay, find};
 
     #[test]
-    fn a_convention_is_free_in_no_fit_and_a_secondary_number_where_it_is_asked_for() {
+    fn a_convention_is_never_free_and_a_secondary_parameter_only_on_request() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);
         let free_of = |name: &str| {
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_do_not_show_their_surroundings_have_a_temperature_of_them_each_and_a_single_one_has_not() {
+    fn records_without_a_measured_ambient_temperature_have_one_each_unless_there_is_only_one_record() {
         let record_axes = |recipe: &Recipe, shows_ambient: bool| {
             let mut data = Data::prepare(&recipe.rig()).unwrap();
             data.traces[0].shows_ambient = shows_ambient;
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn an_additional_area_is_none_beside_which_that_of_the_bore_is_nothing() {
+    fn an_additional_area_is_bounded_so_that_the_area_of_the_bore_still_counts() {
         let (area, sizes) = last_axis(DeadVolumeSurface::PLACE);
         let most_m2 = area.value(area.bounds[1]);
         assert!((most_m2 / (30.0 * sizes.volume.powf(2.0 / 3.0)) - 1.0).abs() < 1e-9, "{most_m2}");

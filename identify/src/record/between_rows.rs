@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_stroke_between_rows_is_of_the_size_that_is_stated() {
+    fn the_error_of_a_stroke_between_rows_is_of_the_stated_size() {
         for (k, stroke) in strokes().into_iter().enumerate() {
             let (mut off, mut stated) = (0.0, 0.0);
             for begin in (0..20).map(|i| 0.3 + ROW * f64::from(i) / 20.0) {
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_low_pass_taken_back_is_of_the_size_that_is_stated() {
+    fn the_error_of_an_inverted_low_pass_is_of_the_stated_size() {
         const FILTER_S: f64 = 0.05;
         const NOISE_M: f64 = 2e-6;
         // A piston that starts at 0.5 m/s and stops after 0.15 m, through a low-pass.

@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_row_whose_time_is_open_errs_by_the_pressures_rate_once_for_itself_and_once_for_a_delayed_position() {
+    fn an_uncertain_row_time_counts_twice_for_the_row_and_for_a_delayed_position() {
         let time_s: Vec<f64> = (0..30).map(|i| f64::from(i) * 0.01).collect();
         let pressure_pa: Vec<f64> = time_s.iter().map(|t| 1e5 + 2e6 * t).collect();
         let by = |rows: &[usize]| clock_sd_pa(&time_s, &pressure_pa, rows, &[1e-3; 30]);

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn pressure_that_is_lost_while_the_piston_is_away_has_left_by_an_open_port() {
+    fn pressure_that_is_lost_during_an_excursion_of_the_piston_shows_an_open_port() {
         assert!(seems_open(0.03, 0.0, 0.1));
         assert!(!seems_open(0.03, 0.0, 0.02));
     }

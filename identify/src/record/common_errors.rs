@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pressures_of_a_hold_at_a_wrong_place_deviate_as_is_said_of_them() {
+    fn the_pressures_of_a_hold_at_a_wrong_position_deviate_as_stated() {
         let (held, motion) = shared();
         let off_m = off_m(motion.segments.last().unwrap());
         assert!(held.len() > 10);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn the_warmth_by_a_wrong_place_before_the_move_deviates_as_is_said_of_it_and_is_gone_in_the_end() {
+    fn the_error_by_a_wrong_position_before_the_move_is_as_stated_and_relaxes_to_zero() {
         let (held, motion) = shared();
         let off_m = off_m(&motion.segments[0]);
         // Moved from 0.1 m, where its model was given slightly more: the same gas, warmer by (γ−1) of the difference.

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_leaves_at_once_has_a_corner_between_two_rows() {
+    fn a_piston_that_starts_at_full_speed_has_a_corner_between_two_rows() {
         for row_s in [0.02, 0.01, 0.004, 0.002, 2e-4] {
             for seed in 0..6 {
                 let begin = 0.2 + row_s * (0.05 + 0.16 * seed as f64);

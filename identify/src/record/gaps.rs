@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_over_a_move_is_a_part_of_its_own_and_the_rows_around_it_are_no_data() {
+    fn a_gap_over_a_move_is_a_separate_segment_and_the_rows_around_it_are_no_data() {
         let (time_s, motion) = motion_of(&[0.905..1.555]);
         let gaps: Vec<&Segment> = of(&motion).collect();
         let [gap] = gaps[..] else { panic!("{} gaps", gaps.len()) };
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_move_begins_where_it_does_though_a_gap_leaves_few_rows_before_it_that_were_read_unevenly() {
+    fn the_begin_of_a_move_is_found_though_a_gap_leaves_few_uneven_rows_before_it() {
         // 0.25 s at rest, then accelerating for 0.2 s.
         let stroke = |t: f64| {
             let u = (t - 0.25).max(0.0);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stroke_taken_for_a_gap_goes_on_smoothly_and_stays_where_the_piston_goes() {
+    fn the_stroke_assumed_in_a_gap_joins_smoothly_and_stays_within_the_travel() {
         let sine = |t: f64| 0.1 + 0.03 * (2.0 * t).sin();
         let rows = (0..600).map(|i| 0.01 * f64::from(i)).filter(|t| !(1.505..1.905).contains(t));
         let (time_s, position_m): (Vec<f64>, Vec<f64>) = rows.map(|t| (t, sine(t))).unzip();
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_goes_and_comes_back_in_a_gap_moved_in_it() {
+    fn a_piston_that_moves_and_returns_within_a_gap_counts_as_moving() {
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             (0..600).map(|i| 0.01 * f64::from(i)).map(|t| (t, 0.1 + 0.03 * (4.0 * t).sin())).unzip();
         // Around a turning point.
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_come_seldom_while_the_piston_rests_are_no_gap() {
+    fn sparse_rows_while_the_piston_rests_are_no_gap() {
         let rows = |t: &f64| !(1.5..2.9).contains(t) || ((t * 100.0).round() as usize).is_multiple_of(20);
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             (0..500).map(|i| 0.01 * f64::from(i)).filter(rows).map(|t| (t, stroke(t))).unzip();

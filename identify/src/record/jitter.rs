@@ -194,7 +194,7 @@ mod tests {
         Record { stamps, read, position, pressure }
     }
 
-    fn mended_times(records: &[Record]) -> Option<Vec<Times>> {
+    fn times_of(records: &[Record]) -> Option<Vec<Times>> {
         let columns: Vec<Stamped<'_>> = records
             .iter()
             .map(|r| Stamped { time_s: &r.stamps, position_m: &r.position, pressure_pa: &r.pressure })
@@ -206,7 +206,7 @@ mod tests {
     fn the_times_of_rows_that_were_read_unevenly_are_found() {
         for late_s in [0.0, 0.007] {
             let records: Vec<Record> = (0..4).map(|seed| record(seed, 0.2, 0.0, late_s)).collect();
-            let times = mended_times(&records).unwrap();
+            let times = times_of(&records).unwrap();
             let jitter_s = times[0].time_sd_s[0];
             assert!((jitter_s / (0.2 * ROW_S) - 1.0).abs() < 0.2, "{jitter_s}");
             let off = |times: &dyn Fn(usize) -> f64, r: &Record| -> f64 {
@@ -224,14 +224,14 @@ mod tests {
     fn an_even_clock_shows_no_jitter_whatever_the_noise() {
         for (seed, shakes_m) in [(0, 0.0), (10, 5e-5), (20, 2e-4)] {
             let records: Vec<Record> = (0..4).map(|k| record(seed + k, 0.0, shakes_m, 0.0)).collect();
-            assert!(mended_times(&records).is_none(), "{shakes_m}");
+            assert!(times_of(&records).is_none(), "{shakes_m}");
         }
     }
 
     #[test]
-    fn what_is_left_open_of_the_times_is_of_the_size_that_is_stated() {
+    fn the_remaining_error_of_the_times_is_of_the_stated_size() {
         let records: Vec<Record> = (0..8).map(|seed| record(seed, 0.2, 0.0, 0.0)).collect();
-        let times = mended_times(&records).unwrap();
+        let times = times_of(&records).unwrap();
         let rows = || records.iter().zip(&times).flat_map(|(r, t)| (0..600).map(move |i| (r, t, i)));
         let off: f64 = rows().map(|(r, t, i)| (t.time_s[i] - r.read[i]).powi(2)).sum();
         let stated: f64 = rows().map(|(_, t, i)| t.time_sd_s[i].powi(2)).sum();
@@ -251,7 +251,7 @@ mod tests {
                 Record { position, pressure, ..even }
             })
             .collect();
-        assert!(mended_times(&records).is_none());
+        assert!(times_of(&records).is_none());
     }
 
     #[test]
@@ -263,8 +263,8 @@ mod tests {
     }
 
     #[test]
-    fn positions_that_shake_by_themselves_tell_no_time() {
+    fn positions_with_vibration_of_their_own_correct_no_times() {
         let records: Vec<Record> = (0..4).map(|seed| record(seed, 0.05, 1e-4, 0.0)).collect();
-        assert!(mended_times(&records).is_none());
+        assert!(times_of(&records).is_none());
     }
 }

@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_gas_can_have_is_replaced_by_the_reading_before_it_and_left_out() {
+    fn an_impossible_pressure_is_replaced_by_the_reading_before_it_and_left_out() {
         let p = [9.9e37, 2e5, 2.1e5, 3e7, -1e300, 2.2e5];
         let (filled, rows) = without_impossible(&p);
         assert_eq!((filled.as_ref(), rows), (&[2.2e5, 2e5, 2.1e5, 2.1e5, 2.1e5, 2.2e5][..], vec![0, 3, 4]));

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_noise_of_a_piston_that_is_held_is_judged_as_its_second_differences_are() {
+    fn slow_noise_of_a_held_piston_is_judged_by_its_second_differences() {
         let mut random = Random::new(5);
         let slow = (0..700).scan(0.0, |noise, i| {
             *noise += 0.2 * (1e-5 * random.normal() - *noise);
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_rounded_readings_is_off_by_no_more_and_not_much_less_than_is_said_of_it() {
+    fn the_error_of_the_mean_of_rounded_readings_is_of_the_stated_size() {
         let mut random = Random::new(21);
         for noise in [0.0, 0.05, 0.15, 0.3, 0.6] {
             let (mut square, mut said) = (0.0, 0.0);
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_leaves_nothing_of_a_mean_where_readings_have_no_steps() {
+    fn rounding_adds_no_error_to_a_mean_where_readings_have_no_steps() {
         assert_eq!(rounding_of_mean(&[0.1, 0.1], 0.0), 0.0);
     }
 }

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_at_an_end_of_the_range_are_told_with_the_few_between_them() {
+    fn rows_at_an_end_of_the_range_are_found_with_the_few_between_them() {
         let values = [1.0, 5.0, 5.0, 4.9, 5.0, 3.0, 2.0, 5.0, 2.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0];
         assert_eq!(rows_at(&[5.0], &values), [1..8, 13..15]);
         let values = [1.0, 5.0, 5.0, 4.9, 5.0, 3.0, 2.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0];

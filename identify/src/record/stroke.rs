@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_begins_at_rest_however_few_rows_of_it_show_that_and_in_motion_where_none_does() {
+    fn a_record_begins_at_rest_if_even_few_rows_show_it_and_else_in_motion() {
         let steady = |u: f64| u;
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let moves: [&dyn Fn(f64) -> f64; 2] = [&steady, &smooth];
@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn the_corner_of_a_piston_that_leaves_at_once_or_is_stopped_is_followed_between_rows() {
+    fn the_corner_of_a_sudden_start_or_stop_is_followed_between_rows() {
         const NOISE_M: f64 = 5e-6;
         for (row_s, corner_s) in [(0.02, 0.5031), (0.01, 0.5072), (0.004, 0.5011), (0.002, 0.5007), (2e-4, 0.50013)] {
             let leaves = |t: f64| 0.07 + 0.07 * (-(t - corner_s).max(0.0) / 0.12).exp();
@@ -481,7 +481,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hold_between_two_gentle_moves_has_neither_the_end_of_one_nor_the_begin_of_the_other() {
+    fn a_hold_between_two_gentle_moves_contains_neither_the_end_of_one_nor_the_begin_of_the_other() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         for (length_s, row_s, rows) in [(0.9, 1e-3, 5500), (2.0, 5e-4, 15_000), (1.0, 2e-4, 28_000)] {
             let progress = |t: f64, begin: f64, length_s: f64| smooth(((t - begin) / length_s).clamp(0.0, 1.0));

@@ -104,7 +104,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn a_curve_errs_no_more_than_is_said_of_it_and_not_much_less() {
+    fn the_error_of_a_curve_is_of_the_stated_size() {
         const NOISE_M: f64 = 1e-5;
         let near = Cell::new(0);
         for (rows, turns) in [(1000, 1.0), (3000, 3.0), (3000, 0.25)] {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_noisy_move_is_followed_closer_than_its_rows_are_known() {
+    fn the_curve_of_a_long_noisy_move_is_more_accurate_than_its_rows() {
         let mut random = Random::new(8);
         let truth = |t: f64| 1.0 + 0.4 * (1.3 * t).sin();
         let (t, x): (Vec<f64>, Vec<f64>) =
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_starts_at_once_and_tends_to_its_end_is_followed_closer_than_its_rows_are_known() {
+    fn the_curve_of_an_exponential_move_is_more_accurate_than_its_rows() {
         const ROW_S: f64 = 0.002;
         // Rounded to 0.1 mm, and at 5 µm of noise.
         for (step_m, noise_m) in [(1e-4, 2e-6), (1e-6, 5e-6)] {

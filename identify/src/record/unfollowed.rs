@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gas_knows_a_course_to_the_stated_share_of_the_time_between_readings() {
+    fn the_unknown_course_of_a_move_shifts_it_by_the_stated_fraction_of_the_time_between_readings() {
         let mut random = Random::new(17);
         let shifts: Vec<f64> = (0..4000).filter_map(|_| beyond_mean(&mut random)).collect();
         let rms = (shifts.iter().map(|s| s * s).sum::<f64>() / shifts.len() as f64).sqrt();

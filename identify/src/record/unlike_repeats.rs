@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_all_repeats_differ_by_leaves_none_of_them_out() {
+    fn a_difference_between_all_repeats_leaves_none_of_them_out() {
         let data = Data::prepare(&rig(|_, _, _| ())).unwrap();
         let (data, fit) = baseline::fitted(data).unwrap();
         let mut residuals = misfit::residuals(&data, &fit);
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_test_of_three_repeats_tells_of_none_that_it_is_unlike_the_others() {
+    fn a_single_test_of_three_repeats_does_not_show_that_one_is_unlike_the_others() {
         let mut frozen = rig(|t, p, _| *p = if (1.0..2.5).contains(&t) { 4.5e5 } else { *p });
         frozen.experiments = vec![frozen.experiments.swap_remove(1)];
         assert!(left_out_of(&frozen).0.is_empty());

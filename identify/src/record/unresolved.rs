@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_stroke_taken_back_is_of_the_size_that_is_stated() {
+    fn the_error_of_a_stroke_recovered_from_an_average_is_of_the_stated_size() {
         for length in [0.05, 0.08, 0.12] {
             let (truth, motion) = push(length);
             let stroke = TrueStroke::new(&motion, 0.04, 0.0, false);

@@ -60,7 +60,7 @@ impl Search {
         Ok((self.data, found))
     }
 
-    /// The verdict on the chosen model, whether its per-record terms follow the kind of test, and whether it carries over to
+    /// The verdict on the chosen model, whether its per-record terms depend on the kind of test, and whether it carries over to
     /// records left out whole.
     fn judged_as_a_whole(&self) -> (Verdict, bool, bool) {
         let depends_on_test = test_dependence::depends_on_test(&self.data, &self.chosen.fit);
@@ -108,7 +108,7 @@ mod tests {
     use chamber::effects::{EffectSet, find};
 
     #[test]
-    fn a_further_effect_that_is_evident_beside_those_that_leave_noise_is_looked_for() {
+    fn a_further_effect_that_is_evident_beside_effects_that_leave_noise_is_tried() {
         let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| find(name).unwrap().0);
         let recipe = Recipe { noise_pa: 40.0, ..Recipe::from_seed(5) }.with_strength(column, 1.0);
         let mut search = Search::after_first_fit(&recipe.with_strength(surface, 1.0));
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_stands_for_another_one_beside_two_more_is_exchanged_for_it() {
+    fn an_effect_that_imitates_another_one_beside_two_more_is_exchanged_for_it() {
         let set = |names: [&str; 3]| names.map(|name| find(name).unwrap().0).into_iter().collect::<EffectSet>();
         let (truth, imitation) =
             (["leakage", "sensor_drift", "wall_heating"], ["laminar_leakage", "sensor_drift", "wall_heating"]);

@@ -55,7 +55,7 @@ mod tests {
     use chamber::effects::NaturalConvection;
 
     #[test]
-    fn a_set_that_leaves_more_than_noise_does_not_enter_with_a_coefficient_that_no_gas_has() {
+    fn a_set_that_leaves_more_than_noise_does_not_enter_with_an_implausible_coefficient() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("natural_convection", &[0.4]) };
         let mut search = Search::after_first_fit(&recipe);
         let model = Model::with(NaturalConvection::SET);

@@ -278,7 +278,7 @@ mod tests {
     use crate::synthetic::{Outside, Recipe};
 
     #[test]
-    fn a_curve_beside_a_coefficient_that_no_gas_has_is_possible_at_no_price() {
+    fn a_curve_with_an_implausible_coefficient_is_not_possible() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(41) }.with_outside(Outside::FrictionHeat(0.05));
         let search = Search::after_first_fit(&recipe);
         let curves = search.curves_on(&search.baseline, 0.0, 0.0);

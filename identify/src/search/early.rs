@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_position_that_is_late_by_more_than_a_row_keeps_its_name_beside_a_lag() {
+    fn a_position_delay_of_more_than_a_row_is_named_beside_a_lag() {
         assert_eq!(found(false, 0.0).chosen.model, Model::with(set(&["sensor_lag"])));
         assert_eq!(found(false, 0.03).chosen.model.of_rig(), set(&["sensor_lag", "position_delay"]));
     }

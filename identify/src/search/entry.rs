@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_is_nearly_exhausted_has_a_name_and_one_that_is_off_or_without_influence_has_none() {
+    fn a_nearly_exhausted_effect_is_recognised_and_one_that_is_off_or_without_influence_is_not() {
         let (_, mut zones) = search_with_exhausted_zones();
         assert_eq!(zones.fit.exhausted().map(|slot| slot.name()), Some("gas_zones.mass_fraction".to_owned()));
         let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_with_an_effect_that_its_fit_has_driven_to_where_it_is_off_does_not_enter() {
+    fn a_set_with_an_effect_that_its_fit_has_switched_off_does_not_enter() {
         let (search, mut zones) = search_with_exhausted_zones();
         let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
         assert!(search.may_enter(&zones, 2.0));
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn another_cause_enters_beside_effects_that_leave_little_only_where_these_have_less_evidence_whatever_is_added() {
+    fn another_cause_replaces_effects_that_leave_little_only_if_no_extension_of_them_has_as_much_evidence() {
         let (mut search, mut zones) = search_with_exhausted_zones();
         let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
         let of = |model: Model| fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_set_is_without_an_effect_that_is_off_is_fitted_from_there() {
+    fn a_set_without_its_effect_that_is_off_is_fitted_from_the_larger_one() {
         let (search, mut zones) = search_with_exhausted_zones();
         let model = Model::with(NaturalConvection::SET.union(zones.model.effects));
         zones = search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap());
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_takes_less_than_the_accuracy_off_has_no_name() {
+    fn an_effect_that_removes_less_than_the_accuracy_is_not_named() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5).with("leakage", &[1e-13, 0.3]) };
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let found_with = |accuracy_pa: f64| {
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_at_the_end_of_its_prior_is_beyond_belief_and_one_that_is_not_there_is_not() {
+    fn a_fault_at_the_end_of_its_prior_is_not_credible_and_one_of_zero_is() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let (data, paper) = baseline::fitted(data).unwrap();
         let sizes = Sizes::of(&data, &paper.chamber());

@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_those_of_the_gas_that_the_records_ask_for() {
+    fn parameters_are_those_in_the_gas_that_the_records_favour() {
         let leaky = |tolerances: f64| {
             let recipe = in_gas_off_by(tolerances);
             let (data, found) = found_of(&recipe.clone().with("leakage", &[recipe.leak_of(0.3)]));
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gas_counts_with_its_whole_tolerance_until_it_was_moved_to_where_the_records_ask_for_it() {
+    fn the_gas_has_its_whole_tolerance_until_it_is_moved_to_where_the_records_favour_it() {
         let data = Data::prepare(&in_gas_off_by(1.5).rig()).unwrap();
         let variance_by_gas = |tolerances: f64| {
             let (_, fit) = baseline::fitted(data.clone().in_gas_moved(tolerances)).unwrap();

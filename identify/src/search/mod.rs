@@ -6,12 +6,11 @@
 //! next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's evidence, or at sets of
 //! [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the recording, or initial temperatures
 //! of gas or wall. It enters by decisive evidence and a lower error on left-out data (`entry`). Per-record effects may become one
-//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`anew`). At the end each term must be
+//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`reweighting`). At the end each term must be
 //! decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`). Where
 //! more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
 
 mod alike;
-pub mod anew;
 mod at_zero;
 pub mod baseline;
 mod conclude;
@@ -24,6 +23,7 @@ mod in_gas;
 mod moved;
 mod needed;
 mod pooling;
+pub mod reweighting;
 pub mod starts;
 pub(crate) mod terms;
 mod verdict;
@@ -94,7 +94,7 @@ pub struct Found {
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
-    /// Whether per-record terms follow the kind of test: see `judge::test_dependence`.
+    /// Whether per-record terms depend on the kind of test: see `judge::test_dependence`.
     pub depends_on_test: bool,
     /// Whether the chosen model predicts records left out whole about as well as it fits the others.
     pub carries_over: bool,
@@ -226,7 +226,7 @@ impl Search {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let singles = self.fit_all(&models);
         let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
-        if best.is_some_and(|best| self.weighs_anew(&best)) { self.refitted(&singles) } else { singles }
+        if best.is_some_and(|best| self.reweigh_by(&best)) { self.refitted(&singles) } else { singles }
     }
 
     /// Tries every term alone and takes the best one that may enter.
@@ -471,7 +471,7 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
-    fn a_coefficient_that_another_model_makes_plausible_refuses_no_record() {
+    fn records_are_not_refused_if_another_model_makes_the_coefficient_plausible() {
         let search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let with = |verdict, far: f64, delta_bic| {
             let mut baseline = search.baseline.clone();
@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_of_the_recording_beyond_belief_leads_to_no_larger_set_however_well_it_fits() {
+    fn a_recording_fault_that_is_not_credible_is_not_extended_however_well_it_fits() {
         let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let single = |name: &str| {
             let model = Model::with(EffectSet::one(find(name).unwrap().0));
@@ -517,7 +517,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_beside_a_pressure_that_is_half_a_row_late_is_found_behind_what_imitates_both() {
+    fn an_effect_beside_a_delay_of_half_a_row_is_found_although_another_term_imitates_both() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let half_a_row_s = 0.5 * Data::prepare(&recipe.rig()).unwrap().shortest_row_s();
         let mut recipe = recipe.with("natural_convection", &[0.3]).with("record_delay", &[half_a_row_s]);
@@ -531,7 +531,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_of_a_gauge_that_differ_between_records_are_looked_for_beside_effects_that_repeats_agree_on() {
+    fn per_record_gauge_zeros_are_tried_beside_effects_that_repeats_agree_on() {
         let effects = ["leakage", "tube_volume"].map(|name| find(name).unwrap().0);
         let mut recipe = Recipe { repeats: 3, noise_pa: 60.0, ..Recipe::from_seed(5) };
         recipe.faults.offset_pa.between = 600.0;

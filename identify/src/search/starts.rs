@@ -245,7 +245,7 @@ mod tests {
     use chamber::effects::{GasZones, Leakage};
 
     #[test]
-    fn a_fit_begins_at_a_first_guess_too_where_its_part_has_lost_the_coefficient() {
+    fn a_fit_also_starts_from_the_first_guess_where_the_coefficient_of_its_part_is_far_off() {
         let recipe = Recipe::from_seed(5);
         let recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
         let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_larger_set_does_not_keep_a_secondary_number_that_only_its_part_needed() {
+    fn a_larger_set_does_not_keep_a_secondary_parameter_that_only_its_part_needed() {
         let (leakage, zones) = (Leakage::PLACE, GasZones::PLACE);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[0] = 2e-11;
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_does_not_begin_where_the_gas_relaxes_from_one_row_to_the_next() {
+    fn a_fit_does_not_start_where_the_gas_relaxes_within_a_row() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let lost = |recipe: &Recipe| {
             let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_freed_of_a_set_stays_free_with_a_further_term_and_in_pairs() {
+    fn freed_parameters_of_a_set_stay_free_with_a_further_term_and_in_pairs() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let [leak, lag, late] =
             ["leakage", "sensor_lag", "position_delay"].map(|name| EffectSet::one(find(name).unwrap().0));

@@ -110,7 +110,7 @@ mod tests {
     use chamber::effects::{EffectSet, Leakage, find};
 
     #[test]
-    fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
+    fn effects_beside_a_timing_are_judged_by_the_misfit_that_the_timing_alone_leaves() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("record_delay", &[0.01]);
         let recipe = recipe.with("leakage", &[1e-12]);
         let mut search = Search::after_first_fit(&recipe);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn little_that_is_left_is_explained_by_effects_that_are_tried_by_themselves_only() {
+    fn effects_explain_a_misfit_with_little_left_only_if_they_are_also_tried_alone() {
         let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let mut explains = |name: &str, left: f64| {
             search.chosen.model = Model::with(EffectSet::one(find(name).unwrap().0));
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
+    fn effects_that_fail_on_records_left_out_whole_describe_and_do_not_explain() {
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(Leakage::PLACE)[0] = 2e-11;
         let mut search = Search::after_first_fit(&recipe);
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_halves_the_misfit_and_errs_no_more_on_left_out_data_improves_whatever_else_is_left_there() {
+    fn halving_the_misfit_and_carrying_over_is_an_improvement_however_large_the_left_out_error() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
         let mut search = Search::after_first_fit(&recipe);
         search.first_round();

@@ -494,7 +494,7 @@ mod tests {
     }
 
     #[test]
-    fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
+    fn short_windows_show_the_wander_of_flicker_noise_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
         let likelihood = Likelihood {
@@ -527,7 +527,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_accounts_that_few_windows_do_not_tell_apart_the_one_that_wanders_more_is_taken() {
+    fn of_two_noise_models_that_few_windows_do_not_distinguish_the_one_that_wanders_more_is_taken() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let mut coloured = 0;
         for seed in 0..8 {
@@ -550,7 +550,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
+    fn the_residual_of_records_without_noise_is_white_and_at_least_the_least_white_noise() {
         // A decay of 1 Pa without any noise: the likelihood of a colour alone has no maximum.
         let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
         let likelihood = Likelihood {

@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn single_records_of_one_and_a_half_periods_show_a_hum_by_which_nothing_but_white_noise_is_left() {
+    fn single_records_of_one_and_a_half_periods_show_a_hum_that_leaves_only_white_noise() {
         let hum = ALL.iter().find(|recording| recording.name == "hum").unwrap();
         // Rests and holds of at most 5 s, and a hum of 0.3 Hz.
         let noise = shown(&hum.apply(Recipe::wide(16_003)));
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn repeats_show_how_large_a_hum_is_of_which_a_hold_lasts_little_more_than_a_period() {
+    fn repeats_show_the_size_of_a_hum_although_a_hold_lasts_little_more_than_a_period() {
         let mut recipe = Recipe { noise_pa: 30.0, ..Recipe::from_seed(5) };
         let holds = Data::prepare(&recipe.rig()).unwrap().traces.into_iter().flat_map(|t| t.course.motion.segments);
         let longest_s = holds.filter(|s| s.phase == Phase::Hold).map(|s| s.to_s - s.from_s).fold(0.0, f64::max);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_a_tenth_of_the_range_is_no_hum_of_the_recording() {
+    fn an_oscillation_of_a_tenth_of_the_range_is_no_hum() {
         let mut recipe = Recipe { noise_pa: 1000.0, ..Recipe::from_seed(5) };
         let amplitude_pa = 0.15 * Data::prepare(&recipe.rig()).unwrap().pressure_range_pa();
         recipe.faults.disturbances.push(Disturbance::Hum { amplitude_pa, frequency_hz: 0.7 });
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_missing_effect_leaves_of_single_records_is_no_hum() {
+    fn the_residual_of_a_missing_effect_in_single_records_is_no_hum() {
         for (seed, name, parameters) in [
             (6, "wall_heating", &[40.0, 0.5][..]),
             (7, "wall_heating", &[200.0, 0.5]),
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_averaged_positions_hide_of_a_move_is_no_noise_of_the_rests_and_holds_beside_it() {
+    fn the_error_of_moves_by_averaged_positions_is_no_noise_of_the_rests_and_holds_beside_them() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let data = Data::prepare(&recipe.rig()).unwrap();
         let window_s = 0.3;

@@ -156,7 +156,7 @@ mod tests {
     use crate::synthetic::Random;
 
     #[test]
-    fn a_window_that_one_faulty_record_leaves_is_no_noise_and_short_quiet_ones_beside_long_loud_ones_are() {
+    fn the_window_of_a_faulty_record_is_outlying_and_short_quiet_ones_beside_long_loud_ones_are_not() {
         let mut random = Random::new(5);
         let mut window = |rows: usize, sd_pa: f64| Window {
             values: (0..rows).map(|_| sd_pa * random.normal()).collect(),

@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_corners_of_a_triangle_are_no_readings_where_the_rows_between_them_have_a_noise_of_their_own() {
+    fn the_corners_of_a_triangle_are_no_readings_where_the_rows_between_them_are_noisy() {
         let mut random = Random::new(9);
         for (noise_m, step_m) in [(5e-6, 1e-6), (1e-6, 1e-6), (1e-6, 1e-9), (5e-7, 1e-6)] {
             let corner = |row: usize| (row % 100) as f64 / 50.0 - 1.0;

@@ -36,9 +36,9 @@ pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
 impl Search {
     /// Restarts with the outliers and the noise that this fit shows and, where its records are moving averages, with the
     /// uncertainty of moves that these leave; returns whether the data have changed. The paper's model is then refitted.
-    pub(super) fn weighs_anew(&mut self, best: &Fit) -> bool {
+    pub(super) fn reweigh_by(&mut self, best: &Fit) -> bool {
         let Some(data) = as_shown_by(&self.data, best, true) else { return false };
-        self.begin_again(data);
+        self.restart(data);
         true
     }
 
@@ -49,7 +49,7 @@ impl Search {
     pub(super) fn reweigh(&mut self) {
         let has_record_timings = self.chosen.model.per_record.iter().any(|e| terms::of_timing().has(e));
         let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_record_timings) else { return };
-        self.begin_again(data);
+        self.restart(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::REJUDGED);
         self.tried = tried;
@@ -57,7 +57,7 @@ impl Search {
     }
 
     /// Fits the paper's model to reweighted data, and restarts the search with it.
-    fn begin_again(&mut self, data: Data) {
+    fn restart(&mut self, data: Data) {
         self.data = data;
         // Other outliers make other blocks.
         self.folds = left_out::folds(&self.data);
@@ -109,7 +109,7 @@ mod tests {
     use chamber::effects::{ForcedConvection, Leakage};
 
     #[test]
-    fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
+    fn a_set_that_ends_worse_than_its_part_is_refitted_from_that_part() {
         let search = Search::after_first_fit(&Recipe::from_seed(5));
         let model = Model::with(Leakage::SET);
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_rows_of_fast_moves_leave_open_of_forced_convection_is_no_noise_and_no_misfit() {
+    fn the_uncertainty_of_forced_convection_in_fast_moves_is_neither_noise_nor_misfit() {
         let mut recipe = Recipe { noise_pa: 20.0, ..Recipe::from_seed(5) }.with("forced_convection", &[4.0]);
         recipe.tests.iter_mut().flat_map(|test| &mut test.moves).for_each(|(_, length_s, shape, _)| {
             (*length_s, *shape) = (0.07, Shape::Trapezoid);
