@@ -69,8 +69,8 @@ impl Block {
     }
 }
 
-/// Standard deviation, Pa, of the mean of rows whose times have the standard deviations `time_sd_s`: the pressure's rate times the
-/// latter, once for the row itself and once for its position, which a delay takes from another row.
+/// Standard deviation, Pa, of the mean of rows whose times have the standard deviations `time_sd_s`: the pressure's rate times
+/// the latter, once for the row itself and once for its position, which a delay takes from another row.
 fn clock_sd_pa(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], time_sd_s: &[f64]) -> f64 {
     const BESIDE: usize = 2;
     let off = |&row: &usize| {

@@ -3,8 +3,8 @@
 //! A time step far longer than those around it hides what the piston did in it: a smooth curve through the rows on either side
 //! may be off by metres per second. Behind the gap the volume is known again, and so is the gas's mass, which a closed chamber
 //! keeps; only the heat exchanged in the gap is not. The stroke in a gap is therefore any that the piston may have made, and the
-//! gas's temperature at its end is a per-record parameter ([`crate::parameters::RecordSlot::BehindGap`]). A few rows on either side are
-//! not data either: there a sensor that is late, or lags, shows what happened in the gap.
+//! gas's temperature at its end is a per-record parameter ([`crate::parameters::RecordSlot::BehindGap`]). A few rows on either
+//! side are not data either: there a sensor that is late, or lags, shows what happened in the gap.
 //! Position in m, time in s.
 
 use crate::policy;

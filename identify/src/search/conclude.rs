@@ -60,8 +60,8 @@ impl Search {
         Ok((self.data, found))
     }
 
-    /// The verdict on the chosen model, whether its per-record terms depend on the kind of test, and whether it carries over to
-    /// records left out whole.
+    /// The verdict on the chosen model, whether its per-record terms depend on the kind of test, and whether it carries over
+    /// to records left out whole.
     fn judged_as_a_whole(&self) -> (Verdict, bool, bool) {
         let depends_on_test = test_dependence::depends_on_test(&self.data, &self.chosen.fit);
         let carries_over = self.carries_over();
