@@ -88,9 +88,9 @@ fn of_all(fit: &Fit, leaves_noise: bool, of: impl Fn(&Parts) -> DMatrix<f64>) ->
 /// Fractions of a coordinate's variance that come from the records and from the tolerance of each stated parameter.
 pub fn budget(fit: &Fit, coordinate: usize, leaves_noise: bool) -> Vec<(String, f64)> {
     let Some(parts) = Parts::of(fit, leaves_noise) else { return Vec::new() };
-    let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
-    let mut shares = vec![("records".to_owned(), parts.records[(place, place)])];
-    for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(place).iter()) {
+    let Some(index) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
+    let mut shares = vec![("records".to_owned(), parts.records[(index, index)])];
+    for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(index).iter()) {
         let name = axis.slot.name();
         match shares.last_mut().filter(|(last, _)| *last == name) {
             Some((_, share)) => *share += by * by,
@@ -146,8 +146,8 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     let is_searched = |slot| matches!(slot, Slot::HeatCapacityRatio | Slot::PositionZero);
     let shows = |axis: &Axis| axis.slot.is_wave() || leaves_noise && is_searched(axis.slot);
     let left_possible = |k: usize| {
-        let place = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
-        let variance = known.as_ref()?[(place, place)];
+        let index = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
+        let variance = known.as_ref()?[(index, index)];
         Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
     };
     DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| left_possible(k).unwrap_or(1.0)))
@@ -233,12 +233,12 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
 pub fn profile_variance(fit: &Fit, coordinate: usize) -> f64 {
     let free = fit.rig.len();
     let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
-    let places: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();
-    let Some(place) = places.iter().position(|&i| i == coordinate) else { return 0.0 };
-    let n = places.len();
-    let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(places[i], places[j])]));
+    let indices: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();
+    let Some(index) = indices.iter().position(|&i| i == coordinate) else { return 0.0 };
+    let n = indices.len();
+    let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(indices[i], indices[j])]));
     let misfit = (fit.marginal / (fit.blocks as f64 - n as f64).max(1.0)).max(1.0);
-    inverse.map_or(0.0, |inverse| inverse[(place, place)] * misfit)
+    inverse.map_or(0.0, |inverse| inverse[(index, index)] * misfit)
 }
 
 /// Covariance of the values of the rig's free parameters, in their units, row by row.

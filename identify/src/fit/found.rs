@@ -176,16 +176,16 @@ impl Fit {
 
     /// The move of a stated parameter that the records favour, in tolerances, and [`Fit::marginal`] without it.
     pub fn favoured_move(&self, slot: Slot) -> Option<(f64, f64)> {
-        let (place, mut adapts) = (self.place_of(slot)?, self.adapts.clone());
-        adapts[self.rig.len() + place] = false;
+        let (index, mut adapts) = (self.index_of_stated(slot)?, self.adapts.clone());
+        adapts[self.rig.len() + index] = false;
         let (left, _) = self.best_weighed(&self.unit_weights(), &adapts)?;
-        Some((self.moved[place], left))
+        Some((self.moved[index], left))
     }
 
     /// [`Fit::marginal`] with the tolerances multiplied by this factor, except that of the gas.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
         let mut weights = vec![1.0 / (factor * factor); self.moved.len()];
-        self.place_of(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
+        self.index_of_stated(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
         self.best_weighed(&weights, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
@@ -216,7 +216,7 @@ impl Fit {
         const ROUNDS: usize = 3;
         let mut weights = self.unit_weights();
         let mut best = self.best_weighed(&weights, adapts)?;
-        if let Some(gas) = self.place_of(Slot::HeatCapacityRatio) {
+        if let Some(gas) = self.index_of_stated(Slot::HeatCapacityRatio) {
             for _ in 0..ROUNDS {
                 weights[gas] = (best.0 / self.blocks.max(1) as f64).max(1.0);
                 best = self.best_weighed(&weights, adapts)?;
@@ -253,7 +253,7 @@ impl Fit {
     }
 
     /// Index of a stated parameter.
-    fn place_of(&self, slot: Slot) -> Option<usize> {
+    fn index_of_stated(&self, slot: Slot) -> Option<usize> {
         self.hypothesis.stated.iter().position(|axis| axis.slot == slot)
     }
 
@@ -320,10 +320,10 @@ mod tests {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let (_, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
+        let index = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
         let blocks = fit.blocks as f64;
         assert!((fit.marginal - blocks) < 0.1 * (fit.chi2 - blocks));
-        assert!((fit.moved[place] + 2.0).abs() < 0.3, "{:?}", fit.moved);
+        assert!((fit.moved[index] + 2.0).abs() < 0.3, "{:?}", fit.moved);
     }
 
     #[test]
@@ -333,17 +333,17 @@ mod tests {
         let mut data = Data::prepare(&recipe.rig()).unwrap();
         data.tolerance.position_linearity = 0.0;
         let (_, fit) = baseline::fitted(data).unwrap();
-        let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
+        let index = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
         let over_noise = fit.marginal / fit.blocks as f64;
         assert!(over_noise > 10.0, "{over_noise}");
         // The move if all squares are scaled to the remaining misfit, which makes them less certain.
         let mut scaled = fit.clone();
         scaled.information *= 1.0 / over_noise;
         scaled.right_hand_side *= 1.0 / over_noise;
-        let gas = fit.rig.len() + place;
+        let gas = fit.rig.len() + index;
         scaled.information[(gas, gas)] += 1.0 - 1.0 / over_noise;
         let (_, x) = super::best_move(&scaled.information, &scaled.right_hand_side, &fit.adapts).unwrap();
-        assert!((fit.moved[place] / x[gas] - 1.0).abs() < 0.01, "{} {}", fit.moved[place], x[gas]);
+        assert!((fit.moved[index] / x[gas] - 1.0).abs() < 0.01, "{} {}", fit.moved[index], x[gas]);
     }
 
     #[test]

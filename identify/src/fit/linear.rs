@@ -239,23 +239,23 @@ fn by_stated_too(
     Ok(Linear { blocks, residual, by_rig, by_record, mesh })
 }
 
-/// Whitened columns of the residual and of the derivatives with respect to the coordinates at `places`, for the first `blocks`
+/// Whitened columns of the residual and of the derivatives with respect to the coordinates at `indices`, for the first `blocks`
 /// blocks; and the integration steps.
 fn columns(
     t: &Prepared,
     h: &Hypothesis,
     x: &Coordinates<'_>,
-    places: Range<usize>,
+    indices: Range<usize>,
     blocks: usize,
     mesh: &Mesh,
 ) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
-    let mut columns = DMatrix::zeros(blocks, 1 + places.len());
+    let mut columns = DMatrix::zeros(blocks, 1 + indices.len());
     let mut taken = Mesh::default();
     if blocks == 0 {
         return Ok((columns, taken));
     }
-    let width = |first: usize| (places.end - first).min(WIDEST);
-    let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
+    let width = |first: usize| (indices.end - first).min(WIDEST);
+    let firsts: Vec<usize> = (indices.start..indices.end.max(indices.start + 1)).step_by(WIDEST).collect();
     let passes: Result<Vec<(DMatrix<f64>, Mesh)>, IntegrationError> = firsts
         .par_iter()
         // No wider than necessary.
@@ -269,7 +269,7 @@ fn columns(
     for (first, (passed, steps)) in firsts.into_iter().zip(passes?) {
         taken = steps;
         columns.set_column(0, &passed.column(0));
-        columns.columns_mut(1 + first - places.start, width(first)).copy_from(&passed.columns(1, width(first)));
+        columns.columns_mut(1 + first - indices.start, width(first)).copy_from(&passed.columns(1, width(first)));
     }
     t.whitener.apply_to(&mut columns);
     Ok((columns, taken))
@@ -285,8 +285,8 @@ fn pass<const N: usize>(
     blocks: usize,
     mesh: &Mesh,
 ) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
-    let variable = |value: f64, place: usize| -> Dual<N> {
-        if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
+    let variable = |value: f64, index: usize| -> Dual<N> {
+        if (first..first + N).contains(&index) { Dual::variable(value, index - first) } else { Dual::from(value) }
     };
     let behind = x.rig.len() + x.stated;
     let rig: Vec<Dual<N>> = x.rig.iter().enumerate().map(|(i, v)| variable(*v, i)).collect();

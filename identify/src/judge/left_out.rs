@@ -282,8 +282,8 @@ pub fn fit_record(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Res
     let mut first = held.record_guesses(data);
     // Start from the initial pressure that matches the rest.
     if let Some(begin) = from_rest(t, held, &first[k]) {
-        let place = held.record_axes(t).iter().position(|a| a.slot == RecordSlot::Pressure);
-        place.into_iter().for_each(|i| first[k][i] = begin);
+        let index = held.record_axes(t).iter().position(|a| a.slot == RecordSlot::Pressure);
+        index.into_iter().for_each(|i| first[k][i] = begin);
     }
     fit::fit(data, held, Vec::new(), first, &selection).map_err(|(_, source)| source)
 }

@@ -31,9 +31,9 @@ pub fn depends_on_test(data: &Data, fit: &Fit) -> bool {
         let mut kinds: Vec<Vec<f64>> = vec![Vec::new(); data.experiments.len()];
         let mut uncertainty = 0f64;
         for (((t, axes), record), deviation) in data.traces.iter().zip(&axes).zip(&numbers).zip(&deviations) {
-            let Some(place) = axes.iter().position(|axis| axis.slot == slot) else { continue };
-            kinds[t.experiment].push(record[place]);
-            uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| d[place]));
+            let Some(index) = axes.iter().position(|axis| axis.slot == slot) else { continue };
+            kinds[t.experiment].push(record[index]);
+            uncertainty = uncertainty.max(deviation.as_ref().map_or(f64::INFINITY, |d| d[index]));
         }
         let span = span_of_means(&kinds);
         span > policy::KINDS_DEVIATIONS * uncertainty

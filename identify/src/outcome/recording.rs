@@ -154,19 +154,19 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out.extend(noise_of_positions(data));
     let averaged = data.traces.iter().filter(|t| t.timing.window_s > 0.0);
     let between_rows = data.traces.iter().filter(|t| t.timing.window_s == 0.0 && t.timing != SensorTiming::default());
-    let open = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
-    if let Some(open) = between_rows.map(open).reduce(f64::max) {
+    let sd_pa = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
+    if let Some(sd_pa) = between_rows.map(sd_pa).reduce(f64::max) {
         out.push(format!(
             "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they count less",
-            digits(open, 2)
+            digits(sd_pa, 2)
         ));
     }
-    let open = averaged.clone().map(open).fold(0.0, f64::max);
+    let sd_pa = averaged.clone().map(sd_pa).fold(0.0, f64::max);
     if let Some(window_s) = averaged.map(|t| t.timing.window_s).reduce(f64::max) {
         out.push(format!(
             "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and count less",
             digits(window_s, 2),
-            digits(open, 2)
+            digits(sd_pa, 2)
         ));
     }
     out.extend(in_motion(data));

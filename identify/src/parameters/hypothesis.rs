@@ -138,9 +138,9 @@ impl Hypothesis {
         times: impl Fn(usize) -> f64,
     ) {
         for (k, axis) in self.stated.iter().enumerate() {
-            let (place, times) = (self.axes.len() + k, times(k));
-            matrix[(place, place)] += times;
-            right[place] += times * axis.mean();
+            let (index, times) = (self.axes.len() + k, times(k));
+            matrix[(index, index)] += times;
+            right[index] += times * axis.mean();
         }
     }
 
@@ -232,8 +232,8 @@ impl Hypothesis {
     ) -> impl Iterator<Item = Option<(Axis<RecordSlot>, f64)>> + 'a {
         data.traces.iter().zip(records).map(move |(t, record)| {
             let axes = self.record_axes(t);
-            let place = axes.iter().position(|axis| axis.slot == slot)?;
-            Some((axes[place], record[place]))
+            let index = axes.iter().position(|axis| axis.slot == slot)?;
+            Some((axes[index], record[index]))
         })
     }
 
@@ -267,8 +267,8 @@ impl Hypothesis {
             }
         }
         let record_axes = self.record_axes(trace);
-        if let Some(place) = record_axes.iter().position(|axis| axis.slot == RecordSlot::AmbientTemperature) {
-            correction.warmer += record_axes[place].value(record[place]) - trace.initial_temperature_k;
+        if let Some(index) = record_axes.iter().position(|axis| axis.slot == RecordSlot::AmbientTemperature) {
+            correction.warmer += record_axes[index].value(record[index]) - trace.initial_temperature_k;
         }
         let ambient = correction.warmer + trace.initial_temperature_k;
         let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);

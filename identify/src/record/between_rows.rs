@@ -214,10 +214,10 @@ mod tests {
                 // Rows between two knots share their error; each of them counts as if it were alone.
                 let sharing = [1.0, (push.end - push.first) as f64 / push.stroke.knots().0.len() as f64];
                 for t in time.iter().filter(|t| **t > begin - 0.1 && **t < begin + 0.6) {
-                    let (place, speed) = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near);
+                    let (position, speed) = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near);
                     // Near a corner, and elsewhere, where only noise is left.
                     let part = usize::from((t - begin).abs() > 0.03 && (t - begin - 0.3).abs() > 0.03);
-                    off[part] += sharing[part] * (place + FILTER_S * speed - ramp(t - begin)).powi(2);
+                    off[part] += sharing[part] * (position + FILTER_S * speed - ramp(t - begin)).powi(2);
                     stated[part] += between.error_m(*t).powi(2);
                 }
             }
@@ -231,22 +231,22 @@ mod tests {
     #[test]
     fn a_reading_of_its_own_row_has_no_error_between_rows() {
         let motion = recorded(strokes()[0], 0.303);
-        let open = |timing: SensorTiming| {
+        let largest_error_m = |timing: SensorTiming| {
             (0..100).map(|i| BetweenRows::new(&motion, timing).error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
         };
-        assert_eq!(open(SensorTiming::default()), 0.0);
-        assert!(open(SensorTiming { lag_s: 0.002, ..SensorTiming::default() }) > 0.0);
+        assert_eq!(largest_error_m(SensorTiming::default()), 0.0);
+        assert!(largest_error_m(SensorTiming { lag_s: 0.002, ..SensorTiming::default() }) > 0.0);
         // A long lag remembers the move for a while.
         let behind =
             |lag_s: f64| BetweenRows::new(&motion, SensorTiming { lag_s, ..SensorTiming::default() }).error_m(0.42);
         assert!(behind(0.02) > 10.0 * behind(0.002), "{} {}", behind(0.02), behind(0.002));
-        assert!(open(SensorTiming { delay_s: -0.5 * ROW, ..SensorTiming::default() }) > 0.0);
+        assert!(largest_error_m(SensorTiming { delay_s: -0.5 * ROW, ..SensorTiming::default() }) > 0.0);
     }
 
     #[test]
     fn only_moves_of_few_rows_have_an_error_between_rows() {
         // Constant acceleration and deceleration over this many rows.
-        let open = |rows: f64| {
+        let largest_error_m = |rows: f64| {
             let stroke = |t: f64| {
                 let u = (t / (rows * ROW)).clamp(0.0, 1.0);
                 if u < 0.5 { 0.1 - 0.1 * u * u } else { 0.05 + 0.1 * (1.0 - u) * (1.0 - u) }
@@ -259,10 +259,10 @@ mod tests {
             );
             (20..380).map(|i| between.error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
         };
-        assert!(open(6.0) > 1e-4, "{}", open(6.0));
-        assert_eq!(open(40.0), 0.0);
+        assert!(largest_error_m(6.0) > 1e-4, "{}", largest_error_m(6.0));
+        assert_eq!(largest_error_m(40.0), 0.0);
         // Nor where no row is farther from the next than a hundredth of the travel.
-        assert_eq!(open(290.0), 0.0);
+        assert_eq!(largest_error_m(290.0), 0.0);
     }
 
     #[test]

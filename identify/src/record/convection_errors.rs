@@ -96,9 +96,9 @@ mod tests {
             let (mut square, mut ratios) = ([0.0; 2], Vec::new());
             for _ in 0..300 {
                 let (stroke, curve) = recorded(shape, random.log_uniform(4.0, 25.0), random.uniform());
-                let (off, open) = (off(&stroke, &curve), heat_uncertainty(&curve));
-                square = [square[0] + off * off, square[1] + open * open];
-                ratios.push(off.abs() / open);
+                let (off, stated) = (off(&stroke, &curve), heat_uncertainty(&curve));
+                square = [square[0] + off * off, square[1] + stated * stated];
+                ratios.push(off.abs() / stated);
             }
             let rms = (square[0] / square[1]).sqrt();
             ratios.sort_by(f64::total_cmp);
@@ -130,11 +130,11 @@ mod tests {
         for (a, b) in without.iter().zip(&with) {
             let [relaxing, in_move] =
                 [b.common_sd_pa[RELAXING] - a.common_sd_pa[RELAXING], b.position_sd_pa - a.position_sd_pa];
-            let open = |more_pa: f64| (50.0..2000.0).contains(&more_pa);
+            let is_added = |more_pa: f64| (50.0..2000.0).contains(&more_pa);
             match b.phase {
                 Phase::Rest => assert!(relaxing == 0.0 && in_move == 0.0),
-                Phase::Move => assert!(open(in_move) && relaxing == 0.0, "{in_move}"),
-                Phase::Hold => assert!(open(relaxing) && in_move == 0.0, "{relaxing}"),
+                Phase::Move => assert!(is_added(in_move) && relaxing == 0.0, "{in_move}"),
+                Phase::Hold => assert!(is_added(relaxing) && in_move == 0.0, "{relaxing}"),
             }
         }
     }

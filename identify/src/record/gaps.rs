@@ -84,7 +84,7 @@ fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
     const OUT: f64 = 0.02;
     const HALVINGS: i32 = 8;
     const LOOKED_AT: u32 = 32;
-    let (times, places) = ([from.time_s, to.time_s], [from.position_m, to.position_m]);
+    let (times, positions) = ([from.time_s, to.time_s], [from.position_m, to.position_m]);
     let out_m = OUT * (high - low);
     let stays = |curve: &Spline| {
         let near = Cell::new(0);
@@ -93,9 +93,9 @@ fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
     };
     let curves = (0..HALVINGS).map(|k| {
         let part = 0.5f64.powi(k);
-        Spline::through(times.to_vec(), places.to_vec(), [Some(part * from.speed), Some(part * to.speed)])
+        Spline::through(times.to_vec(), positions.to_vec(), [Some(part * from.speed), Some(part * to.speed)])
     });
-    { curves }.find(stays).unwrap_or_else(|| Spline::line(times, places))
+    { curves }.find(stays).unwrap_or_else(|| Spline::line(times, positions))
 }
 
 fn at_end(part: &Motion) -> Held {

@@ -76,8 +76,8 @@ mod tests {
     /// Positions, m, of this stroke at `n` rows `row_s` apart, with this noise, m, and rounded to these steps, m.
     fn recorded(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64, step_m: f64) -> Vec<f64> {
         let mut random = Random::new(12);
-        let places = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
-        places.map(|x| (x / step_m).round() * step_m).collect()
+        let positions = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
+        positions.map(|x| (x / step_m).round() * step_m).collect()
     }
 
     fn sine(frequency_hz: f64) -> impl Fn(f64) -> f64 {
@@ -161,10 +161,10 @@ mod tests {
         for noise in [0.0, 0.05, 0.15, 0.3, 0.6] {
             let (mut square, mut said) = (0.0, 0.0);
             for k in 0..400 {
-                let place = 100.0 + f64::from(k) / 400.0;
-                let readings: Vec<f64> = (0..500).map(|_| (place + noise * random.normal()).round()).collect();
+                let position = 100.0 + f64::from(k) / 400.0;
+                let readings: Vec<f64> = (0..500).map(|_| (position + noise * random.normal()).round()).collect();
                 let mean = readings.iter().sum::<f64>() / 500.0;
-                square += (mean - place).powi(2) - noise * noise / 500.0;
+                square += (mean - position).powi(2) - noise * noise / 500.0;
                 said += rounding_of_mean(&readings, 1.0).powi(2);
             }
             let (off, said) = ((square.max(0.0) / 400.0).sqrt(), (said / 400.0).sqrt());

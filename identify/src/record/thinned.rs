@@ -154,8 +154,8 @@ mod tests {
         let near = Cell::new(0);
         let (mut off, mut speed_off): (f64, f64) = (0.0, 0.0);
         for between in t[50..950].iter().map(|t| t + 0.007) {
-            let (place, speed) = curve.at(between, &near);
-            off += (place - truth(between)).powi(2) / 900.0;
+            let (position, speed) = curve.at(between, &near);
+            off += (position - truth(between)).powi(2) / 900.0;
             speed_off += (speed - 0.52 * (1.3 * between).cos()).powi(2) / 900.0;
         }
         assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
@@ -179,12 +179,12 @@ mod tests {
             let known_m: f64 = noise_m.hypot(step_m / 12.0f64.sqrt());
             let curve = through(&t, &x, [None, None], known_m);
             let near = Cell::new(0);
-            let places: Vec<f64> =
+            let times: Vec<f64> =
                 (0..5000).map(|k| f64::from(k) * 2e-4).filter(|t| (t - begin).abs() > 2.0 * ROW_S).collect();
             let off = |t: &f64| (curve.at(*t, &near).0 - stroke(t - begin)).powi(2);
-            let rms = (places.iter().map(off).sum::<f64>() / places.len() as f64).sqrt();
+            let rms = (times.iter().map(off).sum::<f64>() / times.len() as f64).sqrt();
             let rectified = |speed: f64| speed.abs().powf(0.8);
-            let tail: Vec<&f64> = places.iter().filter(|t| **t > 0.5).collect();
+            let tail: Vec<&f64> = times.iter().filter(|t| **t > 0.5).collect();
             let shown = tail.iter().map(|t| rectified(curve.at(**t, &near).1)).sum::<f64>();
             let truth = tail.iter().map(|t| rectified(speed(**t - begin))).sum::<f64>();
             assert!(

@@ -219,8 +219,8 @@ mod tests {
     fn a_set_that_needs_a_volume_below_zero_does_not_enter() {
         let (search, mut zones) = search_with_exhausted_zones();
         assert!(search.may_enter(&zones, 2.0));
-        let place = zones.fit.hypothesis.axes.iter().position(|axis| axis.slot == Slot::DeadVolume).unwrap();
-        zones.fit.rig[place] = zones.fit.hypothesis.axes[place].bounds[0];
+        let index = zones.fit.hypothesis.axes.iter().position(|axis| axis.slot == Slot::DeadVolume).unwrap();
+        zones.fit.rig[index] = zones.fit.hypothesis.axes[index].bounds[0];
         assert!(!search.may_enter(&zones, 2.0));
     }
 

@@ -322,8 +322,8 @@ impl Recipe {
 
     /// The lowest and the highest position of all tests, m.
     fn position_range(&self) -> (f64, f64) {
-        let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
-        extremes(&places.collect::<Vec<_>>())
+        let ends = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
+        extremes(&ends.collect::<Vec<_>>())
     }
 
     /// The rig with its simulated traces.

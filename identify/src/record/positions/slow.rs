@@ -169,9 +169,9 @@ mod tests {
         let mut random = Random::new(9);
         for (noise_m, step_m) in [(5e-6, 1e-6), (1e-6, 1e-6), (1e-6, 1e-9), (5e-7, 1e-6)] {
             let corner = |row: usize| (row % 100) as f64 / 50.0 - 1.0;
-            let place = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
+            let position = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
             let triangle: Vec<f64> = (0..1000)
-                .map(|row| if !(100..=900).contains(&row) { 0.1 } else { place(row) } + noise_m * random.normal())
+                .map(|row| if !(100..=900).contains(&row) { 0.1 } else { position(row) } + noise_m * random.normal())
                 .map(|x| (x / step_m).round() * step_m)
                 .collect();
             assert_eq!(readings(&triangle), None, "noise of {noise_m} m in steps of {step_m} m");

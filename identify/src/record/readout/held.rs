@@ -122,9 +122,9 @@ impl Kept {
 }
 
 /// The beat at which the readings that first show in these rows were taken, each less than a row before: of all periods that
-/// allow such a beat, the one in which their ages differ least. What remains open of the ages is split evenly, unless it is so
-/// much that only a few different ages occur: then one clock drives sensor and rows, and the newest reading was taken right at
-/// its row.
+/// allow such a beat, the one in which their ages differ least. What remains undetermined of the ages is split evenly,
+/// unless it is so much that only a few different ages occur: then one clock drives sensor and rows, and the newest reading was
+/// taken right at its row.
 fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Beat> {
     const ROUNDS: usize = 60;
     /// Rows; slightly more than one, to allow for the error of a known period.
@@ -148,8 +148,8 @@ fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Bea
     }
     let period = 0.5 * (low + high);
     let [newest, oldest] = ages(period);
-    let open = 1.0 - (oldest - newest);
-    let first = if open < ONE_CLOCK { newest - 0.5 * open } else { newest };
+    let undetermined = 1.0 - (oldest - newest);
+    let first = if undetermined < ONE_CLOCK { newest - 0.5 * undetermined } else { newest };
     (age_range(period) < MOST).then_some(Beat { first, period })
 }
 
@@ -179,7 +179,7 @@ mod tests {
         let taken = |beat: Beat| when_taken(&shown(beat), beat.period + 0.003, false).unwrap();
         let of_rows = taken(Beat { first: 0.0, period: 2.5 });
         assert!((of_rows.period - 2.5).abs() < 1e-6 && of_rows.first.abs() < 1e-6, "{of_rows:?}");
-        // With many different ages, what remains open is split evenly.
+        // With many different ages, what remains undetermined is split evenly.
         let own = Beat { first: 0.31, period: 4.0713 };
         let found = taken(own);
         assert!([0.0, 20.0, 39.0].iter().all(|k| (found.at(*k) - own.at(*k)).abs() < 0.05), "{found:?}");
