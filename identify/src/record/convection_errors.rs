@@ -2,8 +2,8 @@
 //!
 //! Gas stirred by the piston exchanges heat in proportion to ∫ |v|^0.8 (T − Tw) A dt. The curve through a move's rows shows the
 //! travel well and the speed less so. Where the piston starts or stops between two of few rows, this uncertainty
-//! ([`heat_uncertainty`]) is many times the noise of a quiet sensor in the pressure of the hold that follows. All rows of the hold
-//! share this error, and it relaxes as the gas does.
+//! ([`heat_uncertainty`]) is many times the noise of a quiet sensor in the pressure of the hold that follows. All rows of the
+//! hold share this error, and it relaxes as the gas does.
 
 use super::block::Block;
 use super::spline::Spline;

@@ -6,8 +6,8 @@
 //! next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's evidence, or at sets of
 //! [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the recording, or initial temperatures
 //! of gas or wall. It enters by decisive evidence and a lower error on left-out data (`entry`). Per-record effects may become one
-//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`reweighting`). At the end each term must
-//! be decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`).
+//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`reweighting`). At the end each term
+//! must be decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`).
 //! Where more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
 
 mod alike;

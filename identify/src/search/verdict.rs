@@ -7,8 +7,8 @@ use chamber::card::Tried;
 use chamber::effects::CARDS;
 
 impl Search {
-    /// The verdict on the chosen model: `depends_on_test` by [`test_dependence`](crate::judge::test_dependence), `carries_over` to
-    /// records left out whole.
+    /// The verdict on the chosen model: `depends_on_test` by [`test_dependence`](crate::judge::test_dependence), `carries_over`
+    /// to records left out whole.
     pub(super) fn verdict(&self, depends_on_test: bool, carries_over: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
