@@ -497,7 +497,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_has_followed_a_record_that_begins_in_motion_since_long() {
+    fn a_lag_is_in_steady_state_at_the_start_of_a_record_that_begins_in_motion() {
         let swing = |t: f64| 0.1 - 0.02 * (1.0 - (std::f64::consts::TAU * 0.5 * t).cos());
         let lag = SensorLag::INDEX;
         let along = |chamber: &Chamber, set: EffectSet, start: Start<f64>, times: &[f64], course: &Course| {

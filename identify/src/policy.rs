@@ -14,7 +14,7 @@ pub const MOST_TERMS: usize = 4;
 pub const MOST_IN_ALL: usize = 6;
 /// Beam width: how many candidate sets are extended by a further term, counted separately for all sets and for those without
 /// per-record terms.
-pub const GO_ON: usize = 3;
+pub const BEAM_WIDTH: usize = 3;
 /// Number of best sets that are combined in pairs: first of the single terms and later, where none enters alone, of the
 /// extensions of the chosen set.
 pub const PAIRED: usize = 6;
@@ -46,7 +46,7 @@ pub const FIRST_GUESS_REACH: f64 = 2.0;
 /// move are lost, the stroke is still known to within the noise of the pressures.
 pub const GAP_STEPS: f64 = 5.0;
 /// A gap in which the piston moves less than this fraction of its travel does not matter.
-pub const GAP_WAY: f64 = 0.01;
+pub const GAP_TRAVEL: f64 = 0.01;
 /// Standard deviation of the temperature of the gas at the end of a gap, relative to the temperature that follows from the stroke
 /// assumed for the gap. An adiabatic push to half the volume warms air by a third; a pull cools it by a quarter.
 pub const BEHIND_GAP: f64 = 0.3;

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn gas_that_an_effect_lets_in_or_out_or_that_has_more_states_is_none_of_it() {
+    fn gas_with_mass_flow_or_with_more_states_does_not_count_as_tight() {
         let suits = |name: &str| OfTightGas::<0>::suits(EffectSet::one(find(name).unwrap().0));
         assert!(!["leakage", "tube_volume", "gas_zones", "wall_heating"].into_iter().any(suits));
     }

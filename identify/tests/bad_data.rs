@@ -117,7 +117,7 @@ fn a_negative_dead_volume_that_the_tolerance_of_the_positions_zero_allows_is_no_
 }
 
 #[test]
-fn a_saturated_sensor_is_told_with_value_and_time() {
+fn a_saturated_sensor_is_reported_with_value_and_time() {
     let error = spoilt(|t| {
         let p = pressures(t);
         let (low, high) = p.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -153,14 +153,14 @@ fn a_coarse_sensor_that_shows_no_step_more_at_the_end_of_a_pull_is_not_saturated
     let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
     rig.experiments.truncate(1);
     let time_s: Vec<f64> = (0..700).map(|i| f64::from(i) / 200.0).collect();
-    let (from_m, way_m, began_s, lasts_s) = (0.036, 0.010, 1.0, 0.1);
+    let (from_m, travel_m, began_s, lasts_s) = (0.036, 0.010, 1.0, 0.1);
     let position = |t: &f64| {
         let u = ((t - began_s) / lasts_s).clamp(0.0, 1.0);
-        from_m + way_m * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
+        from_m + travel_m * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
     };
     let pressure = |step_pa: f64, least_pa: f64| {
         let adiabatic = |x: f64| 1e5 * (from_m / x).powf(1.3);
-        let (settled, to_m) = (1e5 * from_m / (from_m + way_m), from_m + way_m);
+        let (settled, to_m) = (1e5 * from_m / (from_m + travel_m), from_m + travel_m);
         let of_gas = move |t: &f64| match t - began_s - lasts_s {
             since if since > 0.0 => settled + (adiabatic(to_m) - settled) * (-since / 0.4).exp(),
             _ => adiabatic(position(t)),
@@ -206,7 +206,7 @@ fn readings_that_follow_the_piston_late_and_without_noise_are_no_saturation() {
 }
 
 #[test]
-fn gauge_pressures_are_recognised_by_the_offset_they_ask_for() {
+fn gauge_pressures_are_recognised_by_the_offset_they_require() {
     // The expansions from ambient would be below vacuum: a reader of records refuses those.
     let mut rig = Recipe { repeats: 1, ..Recipe::from_seed(7) }.rig();
     rig.experiments.retain(|e| e.name == "compress-3bar" || e.name == "expand-5bar" || e.name == "compress-part");
@@ -221,7 +221,7 @@ fn gauge_pressures_are_recognised_by_the_offset_they_ask_for() {
 }
 
 #[test]
-fn a_position_with_an_offset_asks_for_a_negative_dead_volume() {
+fn a_position_with_an_offset_requires_a_negative_dead_volume() {
     let error = spoilt(|t| t.position_m.iter_mut().for_each(|x| *x += 0.05));
     assert!(matches!(error, Error::NegativeDeadVolume { dead_volume_m3, .. } if dead_volume_m3 < 0.0), "{error}");
 }
@@ -246,7 +246,7 @@ fn declared_gauge(recipe: Recipe, logged_absolute: bool, kept: &[&str]) -> Rig {
 }
 
 #[test]
-fn absolute_pressures_that_are_declared_gauge_are_recognised_by_what_they_have_too_much() {
+fn absolute_pressures_declared_gauge_are_recognised_by_their_excess() {
     let rig = declared_gauge(Recipe { repeats: 1, ..Recipe::from_seed(7) }, true, &[]);
     let traced = identify::diagnose(&rig, &|_, _| ()).err();
     assert!(matches!(traced, Some(Error::NotGauge { .. })), "{traced:?}");
@@ -255,7 +255,7 @@ fn absolute_pressures_that_are_declared_gauge_are_recognised_by_what_they_have_t
 }
 
 #[test]
-fn what_a_gauge_counts_from_is_recognised_beside_a_leak_that_the_first_fit_lacks() {
+fn the_zero_of_a_gauge_is_recognised_beside_a_leak_that_the_first_fit_lacks() {
     let kept = ["compress-3bar", "expand-5bar", "compress-part"];
     let leaky = || Recipe { repeats: 1, ..Recipe::from_seed(9).with("leakage", &[6e-12, 0.3]) };
     let too_much = declared_gauge(leaky(), true, &kept);
@@ -353,7 +353,7 @@ fn pressures_in_their_own_unit_are_not_doubted() {
 }
 
 #[test]
-fn gauge_pressures_in_another_unit_are_named_by_what_model_and_records_differ_by() {
+fn gauge_pressures_in_another_unit_are_recognised_by_the_misfit() {
     let keep = ["compress-3bar", "expand-5bar", "compress-part"];
     for (truth, declared) in [("psi", "bar"), ("bar", "psi"), ("kPa", "bar"), ("MPa", "bar")] {
         let error = refused(&misdeclared(7, truth, declared, true, &keep));
@@ -418,7 +418,7 @@ fn a_piston_that_turns_without_a_stop_is_no_open_port() {
 }
 
 #[test]
-fn one_wrong_position_leaves_both_methods_their_numbers() {
+fn one_wrong_position_does_not_change_the_result_of_either_method() {
     let recipe = Recipe::from_seed(21);
     let rig = Recipe { chamber: recipe.with("leakage", &[2e-11, 0.3]).chamber, ..Recipe::from_seed(21) }.rig();
     let mut wrong = rig.clone();
@@ -441,7 +441,7 @@ fn one_wrong_position_leaves_both_methods_their_numbers() {
 }
 
 #[test]
-fn the_papers_model_is_fitted_as_the_diagnosis_fits_it_whatever_it_lacks() {
+fn the_papers_model_is_fitted_as_in_the_diagnosis_whatever_it_lacks() {
     let rig = Recipe::from_seed(5).with("gas_zones", &[0.3, 0.1]).rig();
     let alone = identify::identify(&rig, Method::Exact).unwrap();
     let beside = identify::diagnose(&rig, &|_, _| ()).unwrap().diagnosis;

@@ -115,7 +115,7 @@ fn a_row_or_two_lost_in_a_move_and_a_gap_in_a_hold_change_next_to_nothing() {
 }
 
 #[test]
-fn a_validation_compares_what_is_before_a_gap_or_fits_how_warm_the_gas_comes_out_of_it() {
+fn a_validation_compares_the_rows_before_a_gap_or_fits_the_temperature_behind_it() {
     let mut recipe = there_and_back(5);
     recipe.tests.truncate(2);
     let (whole, rig) = (recipe.rig(), with_gaps(&recipe));
@@ -137,11 +137,11 @@ fn the_gas_keeps_its_mass_through_a_gap() {
     assert_eq!(fit.hypothesis.model, Model::PAPER);
     let of_first_test = [&data.traces[0], &data.traces[1]];
     assert_eq!(of_first_test.map(|t| gaps::of(&t.course.motion).count()), [1, 0]);
-    let [with, without] = of_first_test.map(|t| fit.hypothesis.own_of(t).len());
+    let [with, without] = of_first_test.map(|t| fit.hypothesis.record_axes(t).len());
     assert_eq!(with, without + 1);
     let t = of_first_test[0];
     let mut mass = Vec::new();
-    let setting = fit.setting(t, &fit.own[0]);
+    let setting = fit.setting(t, &fit.records[0]);
     let run = identify::fit::run(t, &setting, fit.hypothesis.model.effects);
     run.disturbed(&t.time_s, &identify::forward::Undisturbed, |_, kg| mass.push(kg)).unwrap();
     assert!(mass.iter().all(|kg| (kg / mass[0] - 1.0).abs() < 1e-9));

@@ -73,7 +73,7 @@ fn a_slow_sensor_is_named_and_not_taken_for_a_delay() {
 }
 
 #[test]
-fn what_no_card_describes_is_never_called_explained() {
+fn an_effect_without_a_card_is_never_called_explained() {
     let found = diagnosed("case13");
     let verdict = found.diagnosis.verdict;
     assert!(matches!(verdict, Verdict::Unexplained | Verdict::Improved), "{verdict:?}");

@@ -44,7 +44,7 @@ fn positions_that_count_from_the_end_of_the_travel_leave_the_coefficient_as_it_i
 }
 
 #[test]
-fn positions_that_are_longer_than_recorded_are_passed_at_a_higher_speed() {
+fn positions_of_a_larger_scale_than_recorded_have_a_higher_speed() {
     // Forced convection knows the speed, the gas column's length the way.
     let (recipe, rig) = rig();
     let recipe = recipe.with("forced_convection", &[1.5]).with("gas_column_length", &[-0.3, 0.1]);
@@ -82,7 +82,7 @@ fn diagnosed(name: &str, recipe: Recipe) -> (Verdict, Vec<&'static str>) {
 }
 
 #[test]
-fn a_note_says_how_much_of_an_error_the_noise_of_the_positions_is() {
+fn a_note_states_the_error_due_to_position_noise() {
     let notes = |position_noise_m: f64| {
         let recipe = Recipe { position_noise_m, repeats: 1, ..Recipe::from_seed(21) };
         identify::identify(&recipe.rig(), Method::Exact).unwrap().assumptions
@@ -118,7 +118,7 @@ fn an_effect_is_named_though_hardly_a_reading_of_the_position_falls_into_the_mov
 }
 
 #[test]
-fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_way_from_row_to_row() {
+fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_travel_from_row_to_row() {
     let mut recipe = Recipe { position_noise_m: 0.0, position_step_m: 1e-7, rest_s: 0.3, ..Recipe::from_seed(21) };
     recipe.tests.iter_mut().flat_map(|t| &mut t.moves).for_each(|(_, push_s, shape, _)| {
         (*push_s, *shape) = (0.04, Shape::Ramp);
@@ -131,7 +131,7 @@ fn an_even_push_without_position_noise_is_no_encoder_with_steps_as_wide_as_its_w
         (0..x.len()).for_each(|k| x[k] = (at(k) * 1e7).round() * 1e-7);
     });
     let data = Data::prepare(&rig).unwrap();
-    let by_position = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
+    let by_position = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
     let largest_pa = data.traces.iter().map(by_position).fold(0.0, f64::max);
     assert!(largest_pa < data.noise.total_pa(), "{largest_pa}");
 }

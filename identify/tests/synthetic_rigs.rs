@@ -5,7 +5,7 @@ use chamber::effects::{self, WallHeating};
 use chamber::simulate::Start;
 use identify::fit::covariance;
 use identify::forward::{Correction, Run, Undisturbed};
-use identify::parameters::{OwnStart, names};
+use identify::parameters::{RecordStart, names};
 use identify::record::data::Data;
 use identify::search::{self, Found, Verdict, baseline};
 use identify::synthetic::recording::{self, Disturbance, Scattered};
@@ -89,7 +89,7 @@ fn three_effects_are_named_where_records_with_drifts_of_their_own_would_fit_most
 }
 
 #[test]
-fn a_lag_behind_moves_of_few_rows_is_explained_although_they_leave_the_stroke_between_them_open() {
+fn a_lag_is_explained_in_moves_of_few_rows_although_the_stroke_between_rows_is_uncertain() {
     let (lag, _) = effects::find("sensor_lag").unwrap();
     for (seed, shape) in [(41, Shape::Trapezoid), (43, Shape::Cubic)] {
         let mut recipe = Recipe { repeats: 2, rate_hz: 50.0, ..Recipe::from_seed(seed) };
@@ -189,7 +189,7 @@ fn records_with_delays_of_either_sign_and_zeros_of_their_own_are_adequate() {
     recipe.faults.offset_pa.between = 500.0;
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.of_rig())), (Verdict::Adequate, vec![]));
-    assert!(!found.chosen.model.own.is_empty());
+    assert!(!found.chosen.model.per_record.is_empty());
     let chamber = found.chosen.fit.chamber_of_rig();
     assert_eq!(names(chamber.active()), Vec::<&str>::new(), "what a record has for itself is none of the rig's model");
     let lambda0 = chamber.heat_transfer.coefficient;
@@ -222,7 +222,7 @@ fn a_delay_of_few_rows_of_a_slow_logger_is_named() {
 }
 
 #[test]
-fn an_effect_is_named_beside_delays_of_each_record_in_noise_that_remembers() {
+fn an_effect_is_named_beside_per_record_delays_in_coloured_noise() {
     // Noise of 3 s and more: parts of a record that long would leave its move in one half alone.
     let (conduction, _) = effects::find("wall_conduction").unwrap();
     let mut recipe = Recipe { repeats: 2, noise_pa: 60.0, ..Recipe::from_seed(64) }.with_strength(conduction, 1.0);
@@ -275,7 +275,7 @@ fn readings_of_eight_bits_are_those_of_a_clean_rig() {
 }
 
 #[test]
-fn the_interval_holds_the_truth_also_where_the_accuracy_makes_do_without_the_effect() {
+fn the_interval_holds_the_truth_also_where_the_accuracy_does_not_require_the_effect() {
     let (convection, _) = effects::find("natural_convection").unwrap();
     let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with_strength(convection, 1.0);
     let mut rig = recipe.rig();
@@ -315,7 +315,7 @@ fn a_filtered_record_of_a_fast_stroke_has_no_lagging_sensor() {
 }
 
 #[test]
-fn a_low_pass_of_the_positions_that_stood_for_an_effect_lets_go_of_it() {
+fn an_effect_is_named_although_a_low_pass_of_the_positions_imitated_it() {
     let filtered = recording::ALL.iter().find(|r| r.name == "position-filtered").unwrap();
     for (seed, name, strength) in [(19002, "tube_volume", 2.0), (19004, "dead_volume_surface", 1.0)] {
         let (effect, _) = effects::find(name).unwrap();
@@ -386,7 +386,7 @@ fn gas_that_is_warm_at_the_start_of_every_record_is_no_warm_wall() {
     recipe.faults.stated.ambient_offset_k = -3.0;
     let found = traced(&recipe);
     assert_eq!((found.verdict, names(found.chosen.model.effects)), (Verdict::Adequate, vec![]));
-    assert!(found.chosen.model.own_start == OwnStart::Gas);
+    assert!(found.chosen.model.record_start == RecordStart::Gas);
 }
 
 #[test]
@@ -437,7 +437,7 @@ fn turbulence_that_decays_is_found_behind_the_effects_that_imitate_it_and_beside
 }
 
 #[test]
-fn what_no_card_describes_is_never_called_explained() {
+fn an_effect_without_a_card_is_never_called_explained() {
     for outside in [Outside::FrictionHeat(0.05), Outside::Compliance(0.004), Outside::Hysteresis(600.0)] {
         let found = traced(&Recipe { repeats: 2, ..Recipe::from_seed(41) }.with_outside(outside));
         assert_ne!(found.verdict, Verdict::Explained, "{}: {:?}", outside.name(), names(found.chosen.model.effects));
@@ -445,7 +445,7 @@ fn what_no_card_describes_is_never_called_explained() {
 }
 
 #[test]
-fn names_that_leave_less_than_anybody_minds_but_a_shape_improve_and_do_not_explain() {
+fn effects_that_leave_less_than_the_accuracy_but_with_a_shape_improve_and_do_not_explain() {
     // A law of the coefficient stands for half of what a warm diaphragm adds.
     let found = traced(&Recipe::from_seed(4_000_018).with_outside(Outside::HotGauge(9.0, 0.5)));
     assert!(found.chosen_adequacy.is_adequate() && !found.chosen_adequacy.is_noise);
@@ -453,7 +453,7 @@ fn names_that_leave_less_than_anybody_minds_but_a_shape_improve_and_do_not_expla
 }
 
 #[test]
-fn an_offset_beyond_what_gauges_have_is_not_named_as_far_as_it_goes() {
+fn a_fitted_offset_stays_within_the_range_of_gauges() {
     let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(41) };
     recipe.faults.offset_pa = Scattered::common(4e4);
     let (offset, _) = effects::find("sensor_offset").unwrap();
@@ -510,7 +510,7 @@ fn the_fit_s_forward_model_is_the_simulator_s() {
 }
 
 #[test]
-fn a_wall_that_conducts_takes_no_more_steps_than_its_fastest_mode_asks_for() {
+fn a_conducting_wall_takes_no_more_steps_than_its_fastest_mode_requires() {
     // Its modes pass through zero, where an error relative to each of them would ask for ever shorter steps. An explicit method of
     // order five is stable up to 3.3 time constants a step, of the fastest mode's 1/41 s.
     let (effect, _) = effects::find("wall_conduction").unwrap();

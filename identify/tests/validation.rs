@@ -17,7 +17,7 @@ fn the_true_model_predicts_other_records_to_their_noise() {
 }
 
 #[test]
-fn a_model_with_another_coefficient_is_told_by_its_error() {
+fn a_model_with_another_coefficient_is_recognised_by_its_error() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(22) };
     let mut other = recipe.chamber;
     other.heat_transfer.coefficient *= 1.2;
@@ -26,7 +26,7 @@ fn a_model_with_another_coefficient_is_told_by_its_error() {
 }
 
 #[test]
-fn a_wrong_coefficient_that_is_known_to_leave_much_is_not_taken_for_an_offset_of_the_gauge() {
+fn a_wrong_coefficient_with_a_large_known_misfit_is_not_taken_for_a_gauge_offset() {
     let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(23) };
     for test in &mut recipe.tests {
         let (to, push_s, shape, hold_s) = test.moves[0];
@@ -48,7 +48,7 @@ fn a_wrong_coefficient_that_is_known_to_leave_much_is_not_taken_for_an_offset_of
 }
 
 #[test]
-fn a_delay_of_each_record_is_its_own_and_no_fault_of_the_model() {
+fn a_per_record_delay_is_no_fault_of_the_model() {
     let mut late = Recipe { repeats: 1, ..Recipe::from_seed(23) };
     late.faults.pressure_delay_s = identify::synthetic::recording::Scattered { common: 0.03, between: 0.005 };
     let found = identify::validate(&Predictor::of(late.chamber), &late.rig(), true).unwrap().validation;
@@ -56,7 +56,7 @@ fn a_delay_of_each_record_is_its_own_and_no_fault_of_the_model() {
 }
 
 #[test]
-fn a_drift_that_each_record_had_for_itself_is_fitted_anew_with_the_whole_record() {
+fn a_per_record_drift_is_refitted_to_the_whole_record() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(23) };
     let mut rig = recipe.rig();
     for (k, trace) in rig.experiments.iter_mut().flat_map(|e| &mut e.traces).enumerate() {
@@ -76,7 +76,7 @@ fn a_drift_that_each_record_had_for_itself_is_fitted_anew_with_the_whole_record(
 }
 
 #[test]
-fn what_tests_shortly_before_have_left_of_warmth_is_fitted_anew_where_the_models_records_had_their_own() {
+fn initial_temperatures_are_refitted_where_they_were_per_record_in_the_model() {
     let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(23) }.with("wall_heating", &[8.0, 0.1]);
     (recipe.bench.start_warmer_k, recipe.bench.start_wall_warmer_k) = (8.0, 6.0);
     let rig = recipe.rig();
@@ -110,7 +110,7 @@ fn records_that_end_with_their_first_move_are_refused_and_one_among_others_has_n
 }
 
 #[test]
-fn a_first_reading_far_off_is_left_out_and_named_and_changes_nothing() {
+fn a_first_reading_far_off_is_left_out_and_reported_and_does_not_change_the_result() {
     let recipe = Recipe { repeats: 1, ..Recipe::from_seed(21) };
     let mut rig = recipe.rig();
     let of = |rig: &records::Rig| identify::validate(&Predictor::of(recipe.chamber), rig, false).unwrap().validation;

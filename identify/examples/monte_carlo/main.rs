@@ -17,7 +17,7 @@ use identify::outcome::{diagnosis, estimates};
 use identify::parameters::{Model, Sizes, names};
 use identify::record::block::Block;
 use identify::record::data::{Data, Prepared};
-use identify::search::{self, Found, Verdict, anew, baseline, starts};
+use identify::search::{self, Found, Verdict, baseline, reweighting, starts};
 use identify::synthetic::visibility;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -127,7 +127,7 @@ fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identif
     let model = Model::with(set.recipe.chamber.active());
     let fitted = |data: &Data, part: &Fit| starts::fit_model(data, model, part, &sizes);
     let refitted = fitted(&data, &paper).and_then(|rough| {
-        let data = anew::as_shown_by(&data, &rough, true).unwrap_or_else(|| data.clone());
+        let data = reweighting::as_shown_by(&data, &rough, true).unwrap_or_else(|| data.clone());
         fitted(&data, &rough).map(|fit| deviations(set, &data, &fit))
     });
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();
@@ -196,7 +196,7 @@ fn show(study: &str, index: u64, noise: f64) -> Result<(), Box<dyn std::error::E
     let mut h = t.baseline.fit.hypothesis.clone();
     (h.model.effects, h.base) = (set.recipe.chamber.active(), set.recipe.chamber);
     h.axes.clear();
-    match fit::fit(&data, &h, Vec::new(), h.first_owns(&data), &fit::all_blocks(&data)) {
+    match fit::fit(&data, &h, Vec::new(), h.record_guesses(&data), &fit::all_blocks(&data)) {
         Ok(truth) => {
             println!("truth: chi2 {:.1} of {} blocks", truth.chi2, truth.blocks);
             worst(&data, &truth);

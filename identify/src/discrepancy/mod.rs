@@ -73,7 +73,7 @@ impl<'a> Families<'a> {
     /// Along the fitted model; `None` where its simulation fails.
     pub fn new(data: &'a Data, fit: &'a Fit) -> Option<Self> {
         let paths: Option<Vec<Path>> =
-            data.traces.par_iter().zip(&fit.own).map(|(t, own)| Path::along(t, fit, own)).collect();
+            data.traces.par_iter().zip(&fit.records).map(|(t, record)| Path::along(t, fit, record)).collect();
         Some(Self { data, fit, paths: paths? })
     }
 
@@ -128,7 +128,7 @@ impl<'a> Families<'a> {
         } else {
             let lifted = |x: &[f64]| x.iter().map(|x| Tangent::from(*x)).collect::<Vec<_>>();
             let h = &self.fit.hypothesis;
-            let setting = h.setting(t, &lifted(&self.fit.rig), &[], &lifted(&self.fit.own[k]));
+            let setting = h.setting(t, &lifted(&self.fit.rig), &[], &lifted(&self.fit.records[k]));
             let run = fit::run(t, &setting, h.model.effects);
             Run { relative_tolerance: 1e-7, ..run }.disturbed(&times, &disturbance, |_, _| ()).ok()?
         };
@@ -150,8 +150,8 @@ impl<'a> Families<'a> {
         let (mut ww, mut wj, mut jj) = (DMatrix::zeros(KNOTS, KNOTS), DMatrix::zeros(KNOTS, g), DMatrix::zeros(g, g));
         let (mut wr, mut jr) = (DVector::zeros(KNOTS), DVector::zeros(g));
         for (w, l) in responses.iter().zip(&self.fit.linear) {
-            let w = project_out(w, &l.by_own);
-            let j = project_out(&l.by_rig, &l.by_own);
+            let w = project_out(w, &l.by_record);
+            let j = project_out(&l.by_rig, &l.by_record);
             ww += w.tr_mul(&w);
             wj += w.tr_mul(&j);
             jj += j.tr_mul(&j);

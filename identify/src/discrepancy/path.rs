@@ -36,8 +36,8 @@ pub struct Path {
 
 impl Path {
     /// Follows a trace; `None` where the simulation fails.
-    pub fn along(t: &Prepared, fit: &Fit, own: &[f64]) -> Option<Self> {
-        let setting = fit.setting(t, own);
+    pub fn along(t: &Prepared, fit: &Fit, record: &[f64]) -> Option<Self> {
+        let setting = fit.setting(t, record);
         let chamber = setting.chamber;
         let gas_only = fit.hypothesis.model.effects.without(effects::of_sensor());
         let mut masses: Vec<(f64, f64)> = Vec::new();

@@ -20,13 +20,13 @@ pub struct System {
 #[derive(Clone)]
 struct Part {
     coupling: DMatrix<f64>,
-    own: DMatrix<f64>,
+    square: DMatrix<f64>,
     right: DVector<f64>,
 }
 
 impl Part {
     fn is_absent(&self) -> bool {
-        self.own.iter().all(|v| *v == 0.0)
+        self.square.iter().all(|v| *v == 0.0)
     }
 }
 
@@ -36,7 +36,7 @@ pub struct Step {
     /// Step in the rig's coordinates.
     pub rig: Vec<f64>,
     /// Step in each record's coordinates.
-    pub own: Vec<Vec<f64>>,
+    pub records: Vec<Vec<f64>>,
     /// Predicted decrease of χ².
     pub promised: f64,
 }
@@ -46,7 +46,7 @@ impl Step {
     pub fn bent_by(mut self, bend: &Step) -> Step {
         let add = |to: &mut [f64], more: &[f64]| to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
         add(&mut self.rig, &bend.rig);
-        self.own.iter_mut().zip(&bend.own).for_each(|(to, more)| add(to, more));
+        self.records.iter_mut().zip(&bend.records).for_each(|(to, more)| add(to, more));
         self
     }
 }
@@ -59,9 +59,9 @@ impl System {
         for l in linear {
             whole += l.by_rig.tr_mul(&l.by_rig);
             parts.push(Part {
-                coupling: l.by_rig.tr_mul(&l.by_own),
-                own: l.by_own.tr_mul(&l.by_own),
-                right: DVector::zeros(l.by_own.ncols()),
+                coupling: l.by_rig.tr_mul(&l.by_record),
+                square: l.by_record.tr_mul(&l.by_record),
+                right: DVector::zeros(l.by_record.ncols()),
             });
         }
         let mut system = Self { rig, whole, right: DVector::zeros(rig), parts };
@@ -81,7 +81,7 @@ impl System {
         for ((l, part), residual) in linear.iter().zip(&mut self.parts).zip(residuals) {
             let r = DVector::from_column_slice(residual);
             self.right += l.by_rig.tr_mul(&r);
-            part.right = l.by_own.tr_mul(&r);
+            part.right = l.by_record.tr_mul(&r);
         }
     }
 
@@ -89,7 +89,7 @@ impl System {
     pub fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let (mut matrix, mut right) = (self.whole.clone(), self.right.clone());
         for part in self.parts.iter().filter(|p| !p.is_absent()) {
-            let inverse = damped(&part.own, damping).cholesky()?;
+            let inverse = damped(&part.square, damping).cholesky()?;
             let solved = inverse.solve(&part.coupling.transpose());
             matrix -= &part.coupling * &solved;
             right -= &part.coupling * inverse.solve(&part.right);
@@ -105,13 +105,13 @@ impl System {
         let mut at_ends: Vec<(usize, usize, f64)> = Vec::new();
         loop {
             let rig = system.step_of_rig(room, damping)?;
-            let mut own = system.steps_of_records(&rig, damping)?;
-            if !own.iter().flatten().chain(&rig).all(|step| step.is_finite()) {
+            let mut records = system.steps_of_records(&rig, damping)?;
+            if !records.iter().flatten().chain(&rig).all(|step| step.is_finite()) {
                 return None;
             }
-            at_ends.iter().for_each(|&(record, number, end)| own[record][number] = end);
+            at_ends.iter().for_each(|&(record, number, end)| records[record][number] = end);
             let before = at_ends.len();
-            for (record, (wanted, room)) in own.iter().zip(&room.own).enumerate() {
+            for (record, (wanted, room)) in records.iter().zip(&room.records).enumerate() {
                 for (number, (wanted, [least, most])) in wanted.iter().zip(room).enumerate() {
                     let allowed = wanted.clamp(*least, *most);
                     if *wanted != allowed {
@@ -120,9 +120,9 @@ impl System {
                 }
             }
             if at_ends.len() == before {
-                let promised = self.promised(&rig, &own);
-                let own = own.into_iter().map(|own| own.as_slice().to_vec()).collect();
-                return Some(Step { rig: rig.as_slice().to_vec(), own, promised });
+                let promised = self.promised(&rig, &records);
+                let records = records.into_iter().map(|record| record.as_slice().to_vec()).collect();
+                return Some(Step { rig: rig.as_slice().to_vec(), records, promised });
             }
             at_ends[before..].iter().for_each(|&(record, number, end)| system.hold(record, number, end));
         }
@@ -130,13 +130,13 @@ impl System {
 
     /// Removes a per-record parameter from the free ones, at a step of this size.
     fn hold(&mut self, record: usize, number: usize, step: f64) {
-        let Part { coupling, own, right } = &mut self.parts[record];
+        let Part { coupling, square, right } = &mut self.parts[record];
         self.right -= coupling.column(number) * step;
-        *right -= own.column(number) * step;
+        *right -= square.column(number) * step;
         coupling.column_mut(number).fill(0.0);
-        own.column_mut(number).fill(0.0);
-        own.row_mut(number).fill(0.0);
-        (own[(number, number)], right[number]) = (1.0, 0.0);
+        square.column_mut(number).fill(0.0);
+        square.row_mut(number).fill(0.0);
+        (square[(number, number)], right[number]) = (1.0, 0.0);
     }
 
     /// The step in the rig's coordinates, within their range.
@@ -171,18 +171,18 @@ impl System {
     fn steps_of_records(&self, rig: &DVector<f64>, damping: f64) -> Option<Vec<DVector<f64>>> {
         let of_record = |part: &Part| match part.is_absent() {
             true => Some(DVector::zeros(part.right.len())),
-            false => Some(damped(&part.own, damping).cholesky()?.solve(&(&part.right - part.coupling.tr_mul(rig)))),
+            false => Some(damped(&part.square, damping).cholesky()?.solve(&(&part.right - part.coupling.tr_mul(rig)))),
         };
         self.parts.iter().map(of_record).collect()
     }
 
     /// Predicted decrease of χ² for a step.
-    fn promised(&self, rig: &DVector<f64>, own: &[DVector<f64>]) -> f64 {
-        let of_record = |(part, own): (&Part, &DVector<f64>)| {
-            2.0 * own.dot(&(&part.right - part.coupling.tr_mul(rig))) - own.dot(&(&part.own * own))
+    fn promised(&self, rig: &DVector<f64>, records: &[DVector<f64>]) -> f64 {
+        let of_record = |(part, x): (&Part, &DVector<f64>)| {
+            2.0 * x.dot(&(&part.right - part.coupling.tr_mul(rig))) - x.dot(&(&part.square * x))
         };
         let of_rig = 2.0 * self.right.dot(rig) - rig.dot(&(&self.whole * rig));
-        of_rig + self.parts.iter().zip(own).map(of_record).sum::<f64>()
+        of_rig + self.parts.iter().zip(records).map(of_record).sum::<f64>()
     }
 }
 
@@ -200,21 +200,21 @@ mod tests {
     use chamber::record::Mesh;
 
     #[test]
-    fn a_step_to_a_bound_goes_along_the_valley() {
+    fn a_step_limited_by_a_bound_follows_the_valley() {
         // Residuals 1000 (y − x) and x + y − 8, starting from x = y = 0: the minimum is at x = y = 4, and at x = 1 for y ≤ 1.
         let by_both = DMatrix::from_row_slice(2, 2, &[1000.0, -1000.0, 1.0, 1.0]);
         let (none, wide, bounded) = (DMatrix::zeros(2, 0), [-10.0, 10.0], [-10.0, 1.0]);
-        let step = |by_rig: DMatrix<f64>, by_own: DMatrix<f64>, room: Room| {
+        let step = |by_rig: DMatrix<f64>, by_record: DMatrix<f64>, room: Room| {
             let rig = by_rig.ncols();
-            let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_own, mesh: Mesh::default() };
+            let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_record, mesh: Mesh::default() };
             System::new(&[linear], rig).step(&room, 1e-9).unwrap()
         };
-        let of_rig = step(by_both.clone(), none, Room { rig: vec![wide, bounded], own: vec![Vec::new()] });
+        let of_rig = step(by_both.clone(), none, Room { rig: vec![wide, bounded], records: vec![Vec::new()] });
         let [x, y] = [0, 1].map(|k| by_both.columns(k, 1).into_owned());
-        let of_record = step(x, y, Room { rig: vec![wide], own: vec![vec![bounded]] });
+        let of_record = step(x, y, Room { rig: vec![wide], records: vec![vec![bounded]] });
         for (x, y, promised) in [
             (of_rig.rig[0], of_rig.rig[1], of_rig.promised),
-            (of_record.rig[0], of_record.own[0][0], of_record.promised),
+            (of_record.rig[0], of_record.records[0][0], of_record.promised),
         ] {
             assert_eq!(y, 1.0);
             assert!((x - 1.0).abs() < 1e-4, "{x}");
@@ -223,11 +223,11 @@ mod tests {
     }
 
     #[test]
-    fn sensitivities_that_are_not_numbers_lead_nowhere() {
-        let by_own = DMatrix::from_row_slice(2, 1, &[1.0, f64::NAN]);
+    fn sensitivities_that_are_not_numbers_give_no_step() {
+        let by_record = DMatrix::from_row_slice(2, 1, &[1.0, f64::NAN]);
         let by_rig = DMatrix::from_element(2, 1, 1.0);
-        let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_own, mesh: Mesh::default() };
-        let room = Room { rig: vec![[-1.0, 1.0]], own: vec![vec![[-1.0, 1.0]]] };
+        let linear = Linear { blocks: 2, residual: vec![0.0, 8.0], by_rig, by_record, mesh: Mesh::default() };
+        let room = Room { rig: vec![[-1.0, 1.0]], records: vec![vec![[-1.0, 1.0]]] };
         assert!(System::new(&[linear], 1).step(&room, 1e-9).is_none());
     }
 }

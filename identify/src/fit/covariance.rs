@@ -88,9 +88,9 @@ fn of_all(fit: &Fit, leaves_noise: bool, of: impl Fn(&Parts) -> DMatrix<f64>) ->
 /// Fractions of a coordinate's variance that come from the records and from the tolerance of each stated parameter.
 pub fn budget(fit: &Fit, coordinate: usize, leaves_noise: bool) -> Vec<(String, f64)> {
     let Some(parts) = Parts::of(fit, leaves_noise) else { return Vec::new() };
-    let Some(place) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
-    let mut shares = vec![("records".to_owned(), parts.records[(place, place)])];
-    for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(place).iter()) {
+    let Some(index) = parts.free.iter().position(|&i| i == coordinate) else { return Vec::new() };
+    let mut shares = vec![("records".to_owned(), parts.records[(index, index)])];
+    for (axis, by) in fit.hypothesis.stated.iter().zip(parts.by_stated.row(index).iter()) {
         let name = axis.slot.name();
         match shares.last_mut().filter(|(last, _)| *last == name) {
             Some((_, share)) => *share += by * by,
@@ -122,7 +122,7 @@ impl Parts {
         let by_stated = &inverse * by_stated * spread_of_stated(fit, leaves_noise);
         let mut records = inverse.clone();
         if !leaves_noise {
-            let robust = &inverse * meat(fit, &free) * &inverse;
+            let robust = &inverse * cluster_score_sum(fit, &free) * &inverse;
             let freedom = (fit.blocks as f64 - m as f64).max(1.0);
             let scale = (fit.marginal / freedom).max(1.0);
             for i in 0..m {
@@ -146,8 +146,8 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
     let is_searched = |slot| matches!(slot, Slot::HeatCapacityRatio | Slot::PositionZero);
     let shows = |axis: &Axis| axis.slot.is_wave() || leaves_noise && is_searched(axis.slot);
     let left_possible = |k: usize| {
-        let place = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
-        let variance = known.as_ref()?[(place, place)];
+        let index = adapting.iter().position(|&i| i == free + k).filter(|_| shows(&fit.hypothesis.stated[k]))?;
+        let variance = known.as_ref()?[(index, index)];
         Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
     };
     DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| left_possible(k).unwrap_or(1.0)))
@@ -157,9 +157,9 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
 pub fn of_record(fit: &Fit, record: usize, rig: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let l = &fit.linear[record];
     let free = fit.rig.len();
-    let own = inverse(&l.by_own.tr_mul(&l.by_own))?;
-    let follows = &own * l.by_own.tr_mul(&l.by_rig.columns(0, free));
-    Some(&own + &follows * rig * follows.transpose())
+    let of_record = inverse(&l.by_record.tr_mul(&l.by_record))?;
+    let follows = &of_record * l.by_record.tr_mul(&l.by_rig.columns(0, free));
+    Some(&of_record + &follows * rig * follows.transpose())
 }
 
 /// Inverse of a symmetric matrix whose rows differ in scale.
@@ -171,15 +171,15 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
-/// Σ over clusters of score scoreᵀ, with the per-record parameters projected out.
-fn meat(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
+/// Σ over clusters of score scoreᵀ (the "meat" of the sandwich estimator), with the per-record parameters projected out.
+fn cluster_score_sum(fit: &Fit, free: &[usize]) -> DMatrix<f64> {
     const PARTS_OF_ONE: usize = 12;
     let m = free.len();
     let mut sum = DMatrix::<f64>::zeros(m, m);
     let traces = fit.linear.iter().filter(|l| l.blocks > 0).count();
     let mut clusters = 0.0;
     for l in fit.linear.iter().filter(|l| l.blocks > 0) {
-        let projected = project_out(&l.by_rig, &l.by_own);
+        let projected = project_out(&l.by_rig, &l.by_record);
         let rows = l.residual.len();
         let size = if traces >= 6 { rows } else { rows.div_ceil(PARTS_OF_ONE) };
         for first in (0..rows).step_by(size.max(1)) {
@@ -211,7 +211,7 @@ pub fn project_out(columns: &DMatrix<f64>, onto: &DMatrix<f64>) -> DMatrix<f64> 
 /// Values and intervals of the rig's free parameters; at a bound, the interval extends to the allowed side.
 pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)> {
     let h = &fit.hypothesis;
-    let variance = |i: usize| if fit.at_bound[i] { beside_all(fit, i) } else { covariance[(i, i)] };
+    let variance = |i: usize| if fit.at_bound[i] { profile_variance(fit, i) } else { covariance[(i, i)] };
     let each = h.axes.iter().zip(&fit.rig).enumerate();
     each.map(|(i, (axis, x))| {
         let mut estimate = estimate(axis, *x, variance(i), h.unit(axis.slot));
@@ -230,15 +230,15 @@ pub fn estimates(fit: &Fit, covariance: &DMatrix<f64>) -> Vec<(String, Estimate)
 /// Variance of a coordinate together with the other free ones and the stated parameters within their tolerances; this coordinate
 /// counts as free even at a bound. What the records allow on the bound's one side is at most half a normal distribution, 95 % of
 /// which lies within the same 1.96 standard deviations. Zero for a parameter without influence.
-pub fn beside_all(fit: &Fit, coordinate: usize) -> f64 {
+pub fn profile_variance(fit: &Fit, coordinate: usize) -> f64 {
     let free = fit.rig.len();
     let takes_part = |i: usize| fit.information[(i, i)] > 0.0 && (i >= free || i == coordinate || !fit.at_bound[i]);
-    let places: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();
-    let Some(place) = places.iter().position(|&i| i == coordinate) else { return 0.0 };
-    let n = places.len();
-    let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(places[i], places[j])]));
+    let indices: Vec<usize> = (0..fit.information.nrows()).filter(|&i| takes_part(i)).collect();
+    let Some(index) = indices.iter().position(|&i| i == coordinate) else { return 0.0 };
+    let n = indices.len();
+    let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(indices[i], indices[j])]));
     let misfit = (fit.marginal / (fit.blocks as f64 - n as f64).max(1.0)).max(1.0);
-    inverse.map_or(0.0, |inverse| inverse[(place, place)] * misfit)
+    inverse.map_or(0.0, |inverse| inverse[(index, index)] * misfit)
 }
 
 /// Covariance of the values of the rig's free parameters, in their units, row by row.

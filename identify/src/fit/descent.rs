@@ -9,8 +9,8 @@
 use super::bordered::{Step, System};
 use super::linear::{Failure, Linear, Linearised, Selection, linearise, residuals, total};
 use super::room::Room;
-use super::{moved, own_axes};
-use crate::parameters::{Axis, Hypothesis, Own};
+use super::{record_axes, stepped};
+use crate::parameters::{Axis, Hypothesis, RecordSlot};
 use crate::policy;
 use crate::record::data::Data;
 use nalgebra::DVector;
@@ -88,8 +88,8 @@ const MOST_DAMPING: f64 = 1e8;
 pub struct Descent {
     /// The rig's coordinates.
     pub rig: Vec<f64>,
-    /// Each record's own coordinates.
-    pub own: Vec<Vec<f64>>,
+    /// Each record's coordinates.
+    pub records: Vec<Vec<f64>>,
     /// Σ of squares.
     pub chi2: f64,
     /// Iterations used.
@@ -104,10 +104,10 @@ pub struct Descent {
 
 impl Descent {
     /// A descent that begins at these coordinates.
-    pub fn at(rig: Vec<f64>, own: Vec<Vec<f64>>) -> Self {
+    pub fn at(rig: Vec<f64>, records: Vec<Vec<f64>>) -> Self {
         Self {
             rig,
-            own,
+            records,
             chi2: f64::INFINITY,
             iterations: 0,
             converged: false,
@@ -125,15 +125,15 @@ pub fn descend(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: Vec<f64>,
-    own: Vec<Vec<f64>>,
+    records: Vec<Vec<f64>>,
     selection: &Selection,
     until: Until,
 ) -> Result<Descent, Failure> {
-    let problem = Problem { data, hypothesis, selection, own_axes: own_axes(data, hypothesis) };
-    let mut here = Descent::at(rig, own);
+    let problem = Problem { data, hypothesis, selection, record_axes: record_axes(data, hypothesis) };
+    let mut here = Descent::at(rig, records);
     let (mut damping, mut slow_iterations, mut creeping) = (FIRST_DAMPING, 0, 0);
     while here.iterations < until.iterations && !here.converged && !here.given_up {
-        let linear = linearise(data, hypothesis, &here.rig, &here.own, selection, here.at.near())?;
+        let linear = linearise(data, hypothesis, &here.rig, &here.records, selection, here.at.near())?;
         here.chi2 = total(&linear);
         here.iterations += 1;
         let blocks: usize = linear.iter().map(|l| l.blocks).sum();
@@ -147,7 +147,7 @@ pub fn descend(
                 creeping = if creeps { creeping + 1 } else { 0 };
                 here.given_up = creeping >= CREEPING.1;
                 here.at = if gain < NEAR * here.chi2 { Linearised::Near(linear) } else { Linearised::Nowhere };
-                (here.rig, here.own, here.chi2) = (trial.rig, trial.own, trial.chi2);
+                (here.rig, here.records, here.chi2) = (trial.rig, trial.records, trial.chi2);
             }
             Next::Minimum => (here.converged, here.at) = (true, Linearised::Here(linear)),
             Next::Nowhere => {
@@ -162,7 +162,7 @@ pub fn descend(
 /// Coordinates that were tried, and their residuals.
 struct Trial {
     rig: Vec<f64>,
-    own: Vec<Vec<f64>>,
+    records: Vec<Vec<f64>>,
     residuals: Vec<Vec<f64>>,
     chi2: f64,
 }
@@ -182,14 +182,14 @@ struct Problem<'a> {
     data: &'a Data,
     hypothesis: &'a Hypothesis,
     selection: &'a Selection,
-    own_axes: Vec<Vec<Axis<Own>>>,
+    record_axes: Vec<Vec<Axis<RecordSlot>>>,
 }
 
 impl Problem<'_> {
     /// Returns the first step that leads down, starting with the damping of the last successful one.
     fn lower(&self, here: &Descent, linear: &[Linear], damping: &mut f64, settled: f64) -> Next {
         let system = System::new(linear, self.hypothesis.axes.len());
-        let room = self.room(&here.rig, &here.own);
+        let room = self.room(&here.rig, &here.records);
         let leads_down = |trial: &Trial| trial.chi2 < here.chi2;
         for attempt in 0..MOST_DAMPINGS {
             let Some(step) = system.step(&room, *damping) else {
@@ -204,7 +204,7 @@ impl Problem<'_> {
             let bent = match &straight {
                 Some(trial) if attempt < BENT && !leads_down(trial) => system
                     .with_residuals(linear, &missed(linear, &step, &trial.residuals))
-                    .step(&self.room(&trial.rig, &trial.own), *damping)
+                    .step(&self.room(&trial.rig, &trial.records), *damping)
                     .and_then(|bend| self.trial(here, linear, &step.bent_by(&bend))),
                 _ => None,
             };
@@ -223,31 +223,31 @@ impl Problem<'_> {
         Next::Nowhere
     }
 
-    fn room(&self, rig: &[f64], own: &[Vec<f64>]) -> Room {
-        Room::around(self.hypothesis, &self.own_axes, rig, own)
+    fn room(&self, rig: &[f64], records: &[Vec<f64>]) -> Room {
+        Room::around(self.hypothesis, &self.record_axes, rig, records)
     }
 
     /// Evaluates a step within the bounds; `None` where the simulation fails. Only residuals are computed, at a fraction of the
     /// cost of the sensitivities.
     fn trial(&self, from: &Descent, linear: &[Linear], step: &Step) -> Option<Trial> {
-        let rig = moved(&from.rig, &step.rig, self.hypothesis.axes.iter().map(|axis| axis.bounds));
-        let steps = from.own.iter().zip(&step.own).zip(&self.own_axes);
-        let own: Vec<Vec<f64>> =
-            steps.map(|((x, step), axes)| moved(x, step, axes.iter().map(|axis| axis.bounds))).collect();
-        let residuals = residuals(self.data, self.hypothesis, &rig, &own, self.selection, linear)?;
+        let rig = stepped(&from.rig, &step.rig, self.hypothesis.axes.iter().map(|axis| axis.bounds));
+        let steps = from.records.iter().zip(&step.records).zip(&self.record_axes);
+        let records: Vec<Vec<f64>> =
+            steps.map(|((x, step), axes)| stepped(x, step, axes.iter().map(|axis| axis.bounds))).collect();
+        let residuals = residuals(self.data, self.hypothesis, &rig, &records, self.selection, linear)?;
         let chi2 = residuals.iter().flatten().map(|r| r * r).sum();
-        Some(Trial { rig, own, residuals, chi2 })
+        Some(Trial { rig, records, residuals, chi2 })
     }
 }
 
 /// Residuals after a step minus those predicted by the linearised problem.
 fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let rig = DVector::from_column_slice(&step.rig);
-    let of_record = |((l, own), after): ((&Linear, &Vec<f64>), &Vec<f64>)| {
-        let promised = &l.by_rig * &rig + &l.by_own * DVector::from_column_slice(own);
+    let of_record = |((l, record), after): ((&Linear, &Vec<f64>), &Vec<f64>)| {
+        let promised = &l.by_rig * &rig + &l.by_record * DVector::from_column_slice(record);
         (0..after.len()).map(|i| after[i] - (l.residual[i] - promised[i])).collect()
     };
-    linear.iter().zip(&step.own).zip(after).map(of_record).collect()
+    linear.iter().zip(&step.records).zip(after).map(of_record).collect()
 }
 
 #[cfg(test)]
@@ -260,7 +260,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     #[test]
-    fn a_step_that_is_bent_by_what_it_missed_comes_an_order_nearer() {
+    fn the_second_order_correction_raises_the_order_of_a_step_by_one() {
         // Model x + x²/2 in two blocks, starting from zero.
         let model = |x: f64| x + 0.5 * x * x;
         let error = |target: f64| {
@@ -269,11 +269,11 @@ mod tests {
                 blocks: 2,
                 residual: residual(0.0),
                 by_rig: DMatrix::from_element(2, 1, 1.0),
-                by_own: DMatrix::zeros(2, 0),
+                by_record: DMatrix::zeros(2, 0),
                 mesh: Mesh::default(),
             };
             let straight = model(target);
-            let step = Step { rig: vec![straight], own: vec![Vec::new()], promised: 0.0 };
+            let step = Step { rig: vec![straight], records: vec![Vec::new()], promised: 0.0 };
             let bend = missed(&[linear], &step, &[residual(straight)])[0][0];
             assert!((bend + 0.5 * straight * straight).abs() < 1e-15, "{bend}");
             [straight, straight + bend].map(|x| (x - target).abs())
@@ -289,7 +289,7 @@ mod tests {
         let first = first_chamber(&data);
         let h = Hypothesis::new(&data, Model::PAPER, &first, &Sizes::of(&data, &first));
         let descent = |until: Until| {
-            descend(&data, &h, h.coordinates(&first), h.first_owns(&data), &all_blocks(&data), until).unwrap()
+            descend(&data, &h, h.coordinates(&first), h.record_guesses(&data), &all_blocks(&data), until).unwrap()
         };
         let settled = descent(Until::SETTLED);
         assert!(settled.converged && settled.iterations > CREEPING.1);

@@ -3,7 +3,7 @@
 use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
-use crate::record::between_rows::Look;
+use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectValues, ForcedConvection};
@@ -18,15 +18,15 @@ pub struct Fit {
     /// The rig's coordinates.
     pub rig: Vec<f64>,
     /// Each record's coordinates.
-    pub own: Vec<Vec<f64>>,
+    pub records: Vec<Vec<f64>>,
     /// Sum of squares of the whitened residuals.
     pub chi2: f64,
     /// The same with the stated parameters free within their tolerances, including the squares of their moves.
     pub marginal: f64,
     /// These moves of the stated parameters, in tolerances.
     pub moved: Vec<f64>,
-    /// The moves of the rig's free coordinates that go with them.
-    pub follow: Vec<f64>,
+    /// The moves of the rig's free coordinates with them.
+    pub rig_move: Vec<f64>,
     /// Sum of squares that effects which smear or shift the records may remove merely by smoothing the noise of the stroke.
     pub smoothed: f64,
     /// Number of blocks used.
@@ -35,8 +35,8 @@ pub struct Fit {
     pub linear: Vec<Linear>,
     /// Normal matrix of the rig's free and stated parameters, including priors, with the per-record parameters eliminated.
     pub information: DMatrix<f64>,
-    /// Right-hand side that belongs to that matrix.
-    pub asked: DVector<f64>,
+    /// Right-hand side of these normal equations.
+    pub right_hand_side: DVector<f64>,
     /// Which free parameters of the rig ended at a bound.
     pub at_bound: Vec<bool>,
     /// Which parameters of the linearised problem, free or stated, may move to the values that the records favour: all but those
@@ -66,9 +66,9 @@ impl Fit {
         let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
             Slot::Effect(effect, parameter) if axis.prior.is_none() && !axis.logarithmic => {
                 let card = &CARDS[effect].parameters[parameter];
-                let way = axis.value(**x) - card.neutral;
-                let end = if way < 0.0 { card.bounds.start() } else { card.bounds.end() };
-                way.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
+                let offset = axis.value(**x) - card.neutral;
+                let end = if offset < 0.0 { card.bounds.start() } else { card.bounds.end() };
+                offset.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
             }
             _ => false,
         };
@@ -87,17 +87,17 @@ impl Fit {
 
     /// The rig's coordinates with the stated parameters at their best move.
     pub fn rig_moved(&self) -> Vec<f64> {
-        super::moved(&self.rig, &self.follow, self.hypothesis.axes.iter().map(|axis| axis.bounds))
+        super::stepped(&self.rig, &self.rig_move, self.hypothesis.axes.iter().map(|axis| axis.bounds))
     }
 
     /// A record's coordinates at that move, to first order from the normal equations.
-    pub fn own_moved(&self, data: &Data, record: usize) -> Vec<f64> {
-        let (l, own) = (&self.linear[record], &self.own[record]);
-        let all: Vec<f64> = self.follow.iter().chain(&self.moved).copied().collect();
+    pub fn record_moved(&self, data: &Data, record: usize) -> Vec<f64> {
+        let (l, x) = (&self.linear[record], &self.records[record]);
+        let all: Vec<f64> = self.rig_move.iter().chain(&self.moved).copied().collect();
         let left = DVector::from_column_slice(&l.residual) - &l.by_rig * DVector::from_vec(all);
-        let step = l.by_own.tr_mul(&l.by_own).cholesky().map(|square| square.solve(&l.by_own.tr_mul(&left)));
-        let bounds = self.hypothesis.own_of(&data.traces[record]).into_iter().map(|axis| axis.bounds);
-        step.map_or_else(|| own.clone(), |step| super::moved(own, step.as_slice(), bounds))
+        let step = l.by_record.tr_mul(&l.by_record).cholesky().map(|square| square.solve(&l.by_record.tr_mul(&left)));
+        let bounds = self.hypothesis.record_axes(&data.traces[record]).into_iter().map(|axis| axis.bounds);
+        step.map_or_else(|| x.clone(), |step| super::stepped(x, step.as_slice(), bounds))
     }
 
     /// The fitted chamber.
@@ -109,7 +109,7 @@ impl Fit {
     /// A negative dead volume means that positions read too high, and is set to zero.
     pub fn chamber_of_rig(&self) -> Chamber {
         let mut chamber = self.chamber();
-        chamber.effects = chamber.effects.without(self.hypothesis.model.own);
+        chamber.effects = chamber.effects.without(self.hypothesis.model.per_record);
         chamber.geometry.dead_volume = chamber.geometry.dead_volume.max(0.0);
         chamber
     }
@@ -121,29 +121,33 @@ impl Fit {
     }
 
     /// The simulation setting of a record, at the stated parameters.
-    pub fn setting(&self, trace: &Prepared, own: &[f64]) -> Setting<f64> {
-        self.hypothesis.setting(trace, &self.rig, &[], own)
+    pub fn setting(&self, trace: &Prepared, record: &[f64]) -> Setting<f64> {
+        self.hypothesis.setting(trace, &self.rig, &[], record)
     }
 
-    /// How each record's readings depend on the recorded stroke.
-    pub fn looks(&self, data: &Data) -> Vec<Look> {
+    /// Timing of each record's readings relative to the recorded stroke.
+    pub fn sensor_timings(&self, data: &Data) -> Vec<SensorTiming> {
         let set = self.hypothesis.model.effects;
-        let look = |values: &EffectValues| Look {
+        let timing = |values: &EffectValues| SensorTiming {
             window_s: values.stroke_window(set),
             lag_s: values.lag(set),
-            late_s: values.delay(set) - values.stroke_delay(set),
+            delay_s: values.delay(set) - values.stroke_delay(set),
             filter_s: values.stroke_filter(set),
         };
-        data.traces.iter().zip(&self.own).map(|(t, own)| look(&self.setting(t, own).chamber.effects)).collect()
+        data.traces
+            .iter()
+            .zip(&self.records)
+            .map(|(t, record)| timing(&self.setting(t, record).chamber.effects))
+            .collect()
     }
 
     /// Response of the pressure in each row to a relative change of the forced-convection heat, Pa per unit, record by record;
     /// empty where the model lacks that effect.
-    pub fn by_speed_pa(&self, data: &Data) -> Vec<Vec<f64>> {
+    pub fn convection_responses_pa(&self, data: &Data) -> Vec<Vec<f64>> {
         const SMALL: f64 = 0.05;
         let set = self.hypothesis.model.effects;
-        let of_record = |(t, own): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
-            let setting = self.setting(t, own);
+        let of_record = |(t, record): (&Prepared, &Vec<f64>)| -> Option<Vec<f64>> {
+            let setting = self.setting(t, record);
             let mut more = setting;
             more.chamber.effects.of_mut(ForcedConvection::INDEX)[0] *= 1.0 + SMALL;
             let (here, there) = (readings(t, &setting, set).ok()?, readings(t, &more, set).ok()?);
@@ -152,15 +156,15 @@ impl Fit {
         if !set.has(ForcedConvection::INDEX) {
             return vec![Vec::new(); data.traces.len()];
         }
-        data.traces.par_iter().zip(&self.own).map(|record| of_record(record).unwrap_or_default()).collect()
+        data.traces.par_iter().zip(&self.records).map(|record| of_record(record).unwrap_or_default()).collect()
     }
 
     /// Moves the stated parameters that adapt to the values that the records favour, within their tolerances.
     pub(super) fn move_within_tolerances(&mut self) {
         let mut adapts = std::mem::take(&mut self.adapts);
         if let Some((left, x)) = self.credible_move(&mut adapts) {
-            let (follow, moved) = x.split_at(self.rig.len());
-            (self.marginal, self.moved, self.follow) = (left, moved.to_vec(), follow.to_vec());
+            let (rig_move, moved) = x.split_at(self.rig.len());
+            (self.marginal, self.moved, self.rig_move) = (left, moved.to_vec(), rig_move.to_vec());
         }
         self.adapts = adapts;
     }
@@ -171,24 +175,24 @@ impl Fit {
     }
 
     /// The move of a stated parameter that the records favour, in tolerances, and [`Fit::marginal`] without it.
-    pub fn asked(&self, slot: Slot) -> Option<(f64, f64)> {
-        let (place, mut adapts) = (self.place_of(slot)?, self.adapts.clone());
-        adapts[self.rig.len() + place] = false;
-        let (left, _) = self.best_weighed(&self.as_stated(), &adapts)?;
-        Some((self.moved[place], left))
+    pub fn favoured_move(&self, slot: Slot) -> Option<(f64, f64)> {
+        let (index, mut adapts) = (self.index_of_stated(slot)?, self.adapts.clone());
+        adapts[self.rig.len() + index] = false;
+        let (left, _) = self.best_weighed(&self.unit_weights(), &adapts)?;
+        Some((self.moved[index], left))
     }
 
     /// [`Fit::marginal`] with the tolerances multiplied by this factor, except that of the gas.
     pub fn marginal_widened(&self, factor: f64) -> f64 {
         let mut weights = vec![1.0 / (factor * factor); self.moved.len()];
-        self.place_of(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
+        self.index_of_stated(Slot::HeatCapacityRatio).into_iter().for_each(|gas| weights[gas] = 1.0);
         self.best_weighed(&weights, &self.adapts).map_or(self.chi2, |(left, _)| left)
     }
 
     /// [`Fit::marginal`] with the tolerance of the position's nonlinearity multiplied by this factor, and the largest amplitude
     /// then reached, in tolerances.
-    pub fn marginal_of_crooked_positions(&self, factor: f64) -> Option<(f64, f64)> {
-        let (mut weights, mut adapts) = (self.as_stated(), self.adapts.clone());
+    pub fn marginal_with_nonlinear_positions(&self, factor: f64) -> Option<(f64, f64)> {
+        let (mut weights, mut adapts) = (self.unit_weights(), self.adapts.clone());
         for wave in self.waves() {
             weights[wave] = 1.0 / (factor * factor);
             adapts[self.rig.len() + wave] = true;
@@ -210,9 +214,9 @@ impl Fit {
         const FADES_WITHIN: f64 = 1.0;
         /// After this many rounds the sum of squares no longer changes.
         const ROUNDS: usize = 3;
-        let mut weights = self.as_stated();
+        let mut weights = self.unit_weights();
         let mut best = self.best_weighed(&weights, adapts)?;
-        if let Some(gas) = self.place_of(Slot::HeatCapacityRatio) {
+        if let Some(gas) = self.index_of_stated(Slot::HeatCapacityRatio) {
             for _ in 0..ROUNDS {
                 weights[gas] = (best.0 / self.blocks.max(1) as f64).max(1.0);
                 best = self.best_weighed(&weights, adapts)?;
@@ -235,7 +239,7 @@ impl Fit {
     /// Sum of squares left by the best move of all adapting parameters, including the move's own squares, and that move, with
     /// these weights of the stated parameters' squares.
     fn best_weighed(&self, weights: &[f64], adapts: &[bool]) -> Option<(f64, Vec<f64>)> {
-        let (mut matrix, mut right) = (self.information.clone(), self.asked.clone());
+        let (mut matrix, mut right) = (self.information.clone(), self.right_hand_side.clone());
         self.hypothesis.add_priors_of_stated(&mut matrix, &mut right, |k| weights[k] - 1.0);
         let of_prior = |(axis, weight): (&Axis, &f64)| weight * axis.mean() * axis.mean();
         let unmoved = self.chi2 + self.hypothesis.stated.iter().zip(weights).map(of_prior).sum::<f64>();
@@ -244,12 +248,12 @@ impl Fit {
     }
 
     /// Unit weights: the squares of the stated parameters in their tolerances.
-    fn as_stated(&self) -> Vec<f64> {
+    fn unit_weights(&self) -> Vec<f64> {
         vec![1.0; self.moved.len()]
     }
 
     /// Index of a stated parameter.
-    fn place_of(&self, slot: Slot) -> Option<usize> {
+    fn index_of_stated(&self, slot: Slot) -> Option<usize> {
         self.hypothesis.stated.iter().position(|axis| axis.slot == slot)
     }
 
@@ -266,7 +270,7 @@ impl Fit {
     /// Number of free parameters, not counting those that every record has.
     pub fn freedom(&self) -> usize {
         let takes_part = |k: &usize| self.linear[*k].blocks > 0;
-        self.hypothesis.freedom((0..self.own.len()).filter(takes_part))
+        self.hypothesis.freedom((0..self.records.len()).filter(takes_part))
     }
 }
 
@@ -298,7 +302,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn positions_farther_off_a_straight_line_than_is_believed_take_off_less_and_less_and_at_last_nothing() {
+    fn waves_of_the_positions_beyond_their_credible_amplitude_remove_ever_less_of_the_misfit() {
         let left = |tolerances: f64| {
             let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
             recipe.faults.position_wave = Some(Wave { amplitude: 2e-4 * tolerances, angles: [0.0, TAU] });
@@ -312,34 +316,34 @@ mod tests {
     }
 
     #[test]
-    fn a_heat_capacity_ratio_that_is_off_within_its_tolerance_takes_its_misfit_off() {
+    fn a_heat_capacity_ratio_that_is_off_within_its_tolerance_accounts_for_its_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let (_, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-        let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
+        let index = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
         let blocks = fit.blocks as f64;
         assert!((fit.marginal - blocks) < 0.1 * (fit.chi2 - blocks));
-        assert!((fit.moved[place] + 2.0).abs() < 0.3, "{:?}", fit.moved);
+        assert!((fit.moved[index] + 2.0).abs() < 0.3, "{:?}", fit.moved);
     }
 
     #[test]
-    fn a_gas_that_would_have_to_move_far_moves_no_farther_because_much_more_than_noise_is_left() {
+    fn the_move_of_the_gas_does_not_grow_with_the_remaining_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("leakage", &[5e-11]);
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let mut data = Data::prepare(&recipe.rig()).unwrap();
         data.tolerance.position_linearity = 0.0;
         let (_, fit) = baseline::fitted(data).unwrap();
-        let place = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
+        let index = fit.hypothesis.stated.iter().position(|axis| axis.slot == Slot::HeatCapacityRatio).unwrap();
         let over_noise = fit.marginal / fit.blocks as f64;
         assert!(over_noise > 10.0, "{over_noise}");
         // The move if all squares are scaled to the remaining misfit, which makes them less certain.
         let mut scaled = fit.clone();
         scaled.information *= 1.0 / over_noise;
-        scaled.asked *= 1.0 / over_noise;
-        let gas = fit.rig.len() + place;
+        scaled.right_hand_side *= 1.0 / over_noise;
+        let gas = fit.rig.len() + index;
         scaled.information[(gas, gas)] += 1.0 - 1.0 / over_noise;
-        let (_, x) = super::best_move(&scaled.information, &scaled.asked, &fit.adapts).unwrap();
-        assert!((fit.moved[place] / x[gas] - 1.0).abs() < 0.01, "{} {}", fit.moved[place], x[gas]);
+        let (_, x) = super::best_move(&scaled.information, &scaled.right_hand_side, &fit.adapts).unwrap();
+        assert!((fit.moved[index] / x[gas] - 1.0).abs() < 0.01, "{} {}", fit.moved[index], x[gas]);
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub struct Linear {
     /// wanted.
     pub by_rig: DMatrix<f64>,
     /// d(model/σ)/d(coordinate of the record).
-    pub by_own: DMatrix<f64>,
+    pub by_record: DMatrix<f64>,
     /// Integration steps of the simulation.
     pub mesh: Mesh,
 }
@@ -66,12 +66,12 @@ pub(super) fn linearise(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
-    own: &[Vec<f64>],
+    records: &[Vec<f64>],
     selection: &Selection,
     near: Option<&[Linear]>,
 ) -> Result<Vec<Linear>, Failure> {
     let new = Mesh::default();
-    linearised(data, hypothesis, rig, own, 0, |k, x| {
+    linearised(data, hypothesis, rig, records, 0, |k, x| {
         let mesh = near.map_or(&new, |near| &near[k].mesh);
         record(&data.traces[k], hypothesis, x, selection[k], mesh)
     })
@@ -82,12 +82,12 @@ pub(super) fn linearise_in_all(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
-    own: &[Vec<f64>],
+    records: &[Vec<f64>],
     selection: &Selection,
     at: &Linearised,
 ) -> Result<Vec<Linear>, Failure> {
     let stated = hypothesis.stated.len();
-    linearised(data, hypothesis, rig, own, stated, |k, x| {
+    linearised(data, hypothesis, rig, records, stated, |k, x| {
         let (t, blocks) = (&data.traces[k], selection[k]);
         match at {
             Linearised::Here(known) => by_stated_too(t, hypothesis, x, blocks, &known[k]),
@@ -102,17 +102,17 @@ fn linearised<'a>(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &'a [f64],
-    own: &'a [Vec<f64>],
+    records: &'a [Vec<f64>],
     stated: usize,
     record: impl Fn(usize, &Coordinates<'a>) -> Result<Linear, IntegrationError> + Sync,
 ) -> Result<Vec<Linear>, Failure> {
-    let records: Result<Vec<Linear>, Failure> = (0..data.traces.len())
+    let linear: Result<Vec<Linear>, Failure> = (0..data.traces.len())
         .into_par_iter()
-        .map(|k| record(k, &Coordinates { rig, stated, own: &own[k] }).map_err(|e| (k, e)))
+        .map(|k| record(k, &Coordinates { rig, stated, record: &records[k] }).map_err(|e| (k, e)))
         .collect();
-    let mut records = records?;
-    records.extend(priors(hypothesis, rig, stated));
-    Ok(records)
+    let mut linear = linear?;
+    linear.extend(priors(hypothesis, rig, stated));
+    Ok(linear)
 }
 
 /// The residuals that [`linearise`] would return with the integration steps of `near`, record by record, followed by the priors
@@ -121,39 +121,39 @@ pub(super) fn residuals(
     data: &Data,
     hypothesis: &Hypothesis,
     rig: &[f64],
-    own: &[Vec<f64>],
+    records: &[Vec<f64>],
     selection: &Selection,
     near: &[Linear],
 ) -> Option<Vec<Vec<f64>>> {
-    let records: Option<Vec<Vec<f64>>> = (0..data.traces.len())
+    let all: Option<Vec<Vec<f64>>> = (0..data.traces.len())
         .into_par_iter()
-        .map(|k| residual(&data.traces[k], hypothesis, rig, &own[k], selection[k], &near[k].mesh))
+        .map(|k| residual(&data.traces[k], hypothesis, rig, &records[k], selection[k], &near[k].mesh))
         .collect();
-    let mut records = records?;
-    records.extend(priors(hypothesis, rig, 0).map(|l| l.residual));
-    Some(records)
+    let mut all = all?;
+    all.extend(priors(hypothesis, rig, 0).map(|l| l.residual));
+    Some(all)
 }
 
 /// One record's whitened residuals, followed by the priors of its parameters.
-fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], own: &[f64], blocks: usize, mesh: &Mesh) -> Option<Vec<f64>> {
+fn residual(t: &Prepared, h: &Hypothesis, rig: &[f64], record: &[f64], blocks: usize, mesh: &Mesh) -> Option<Vec<f64>> {
     let selected = &t.blocks[..blocks];
     let mut out = Vec::new();
     if blocks > 0 {
-        let setting = h.setting(t, rig, &[], own);
+        let setting = h.setting(t, rig, &[], record);
         let (shown, _) = run(t, &setting, h.model.effects).pressures_along(&points(selected), mesh).ok()?;
         let mut shown = shown.into_iter();
         out.extend(selected.iter().map(|block| block.mean_pa - mean(block, &mut shown)));
         t.whitener.apply(&mut out);
     }
-    out.extend(own_priors(t, h, blocks).into_iter().map(|(i, [mean, sd])| (mean - own[i]) / sd));
+    out.extend(record_priors(t, h, blocks).into_iter().map(|(i, [mean, sd])| (mean - record[i]) / sd));
     out.iter().all(|r| r.is_finite()).then_some(out)
 }
 
 /// Priors of a record's parameters with their indices; empty where the record is not used.
-fn own_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 2])> {
+fn record_priors(t: &Prepared, h: &Hypothesis, blocks: usize) -> Vec<(usize, [f64; 2])> {
     match blocks {
         0 => Vec::new(),
-        _ => h.own_of(t).iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
+        _ => h.record_axes(t).iter().enumerate().filter_map(|(i, axis)| Some((i, axis.prior?))).collect(),
     }
 }
 
@@ -176,8 +176,8 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
         residual.push(-combination.iter().map(|(i, weight)| weight * rig[*i]).sum::<f64>() / sd);
         combination.iter().for_each(|(i, weight)| by_rig[(row, *i)] = weight / sd);
     }
-    let by_own = DMatrix::zeros(residual.len(), 0);
-    Some(Linear { blocks: 0, residual, by_rig, by_own, mesh: Mesh::default() })
+    let by_record = DMatrix::zeros(residual.len(), 0);
+    Some(Linear { blocks: 0, residual, by_rig, by_record, mesh: Mesh::default() })
 }
 
 /// Point at which one record is linearised.
@@ -185,12 +185,12 @@ struct Coordinates<'a> {
     rig: &'a [f64],
     /// Number of stated parameters included, each at zero.
     stated: usize,
-    own: &'a [f64],
+    record: &'a [f64],
 }
 
 impl Coordinates<'_> {
     fn count(&self) -> usize {
-        self.rig.len() + self.stated + self.own.len()
+        self.rig.len() + self.stated + self.record.len()
     }
 }
 
@@ -201,20 +201,20 @@ fn record(
     blocks: usize,
     mesh: &Mesh,
 ) -> Result<Linear, IntegrationError> {
-    // Columns: residual, free, stated, own.
+    // Columns: residual, free, stated, per-record.
     let (columns, mesh) = columns(t, h, x, 0..x.count(), blocks, mesh)?;
-    let priors = own_priors(t, h, blocks);
+    let priors = record_priors(t, h, blocks);
     let rig = x.rig.len() + x.stated;
     let mut columns = columns.resize_vertically(blocks + priors.len(), 0.0);
     for (k, (i, [mean, sd])) in priors.into_iter().enumerate() {
-        columns[(blocks + k, 0)] = (mean - x.own[i]) / sd;
+        columns[(blocks + k, 0)] = (mean - x.record[i]) / sd;
         columns[(blocks + k, 1 + rig + i)] = 1.0 / sd;
     }
     let out = Linear {
         blocks,
         residual: columns.column(0).iter().copied().collect(),
         by_rig: columns.columns(1, rig).into_owned(),
-        by_own: columns.columns(1 + rig, x.own.len()).into_owned(),
+        by_record: columns.columns(1 + rig, x.record.len()).into_owned(),
         mesh,
     };
     if out.residual.iter().all(|r| r.is_finite()) { Ok(out) } else { Err(IntegrationError::StepTooSmall { at: 0.0 }) }
@@ -233,29 +233,29 @@ fn by_stated_too(
     }
     let free = x.rig.len();
     let (columns, _) = columns(t, h, x, free..free + x.stated, blocks, &known.mesh)?;
-    let Linear { residual, by_rig, by_own, mesh, .. } = known.clone();
+    let Linear { residual, by_rig, by_record, mesh, .. } = known.clone();
     let mut by_rig = by_rig.resize_horizontally(free + x.stated, 0.0);
     by_rig.view_mut((0, free), (blocks, x.stated)).copy_from(&columns.columns(1, x.stated));
-    Ok(Linear { blocks, residual, by_rig, by_own, mesh })
+    Ok(Linear { blocks, residual, by_rig, by_record, mesh })
 }
 
-/// Whitened columns of the residual and of the derivatives with respect to the coordinates at `places`, for the first `blocks`
+/// Whitened columns of the residual and of the derivatives with respect to the coordinates at `indices`, for the first `blocks`
 /// blocks; and the integration steps.
 fn columns(
     t: &Prepared,
     h: &Hypothesis,
     x: &Coordinates<'_>,
-    places: Range<usize>,
+    indices: Range<usize>,
     blocks: usize,
     mesh: &Mesh,
 ) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
-    let mut columns = DMatrix::zeros(blocks, 1 + places.len());
+    let mut columns = DMatrix::zeros(blocks, 1 + indices.len());
     let mut taken = Mesh::default();
     if blocks == 0 {
         return Ok((columns, taken));
     }
-    let width = |first: usize| (places.end - first).min(WIDEST);
-    let firsts: Vec<usize> = (places.start..places.end.max(places.start + 1)).step_by(WIDEST).collect();
+    let width = |first: usize| (indices.end - first).min(WIDEST);
+    let firsts: Vec<usize> = (indices.start..indices.end.max(indices.start + 1)).step_by(WIDEST).collect();
     let passes: Result<Vec<(DMatrix<f64>, Mesh)>, IntegrationError> = firsts
         .par_iter()
         // No wider than necessary.
@@ -269,7 +269,7 @@ fn columns(
     for (first, (passed, steps)) in firsts.into_iter().zip(passes?) {
         taken = steps;
         columns.set_column(0, &passed.column(0));
-        columns.columns_mut(1 + first - places.start, width(first)).copy_from(&passed.columns(1, width(first)));
+        columns.columns_mut(1 + first - indices.start, width(first)).copy_from(&passed.columns(1, width(first)));
     }
     t.whitener.apply_to(&mut columns);
     Ok((columns, taken))
@@ -285,14 +285,14 @@ fn pass<const N: usize>(
     blocks: usize,
     mesh: &Mesh,
 ) -> Result<(DMatrix<f64>, Mesh), IntegrationError> {
-    let variable = |value: f64, place: usize| -> Dual<N> {
-        if (first..first + N).contains(&place) { Dual::variable(value, place - first) } else { Dual::from(value) }
+    let variable = |value: f64, index: usize| -> Dual<N> {
+        if (first..first + N).contains(&index) { Dual::variable(value, index - first) } else { Dual::from(value) }
     };
     let behind = x.rig.len() + x.stated;
     let rig: Vec<Dual<N>> = x.rig.iter().enumerate().map(|(i, v)| variable(*v, i)).collect();
     let stated: Vec<Dual<N>> = (0..x.stated).map(|i| variable(0.0, x.rig.len() + i)).collect();
-    let own: Vec<Dual<N>> = x.own.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
-    let setting = h.setting(t, &rig, &stated, &own);
+    let record: Vec<Dual<N>> = x.record.iter().enumerate().map(|(i, v)| variable(*v, behind + i)).collect();
+    let setting = h.setting(t, &rig, &stated, &record);
     let blocks = &t.blocks[..blocks];
     let (shown, taken) = run(t, &setting, h.model.effects).pressures_along(&points(blocks), mesh)?;
     let mut shown = shown.into_iter();

@@ -1,6 +1,6 @@
 //! Allowed range of a step in each coordinate: up to the parameter's bounds, and for logarithmic ones a factor of e² at most.
 
-use crate::parameters::{Axis, Hypothesis, Own};
+use crate::parameters::{Axis, Hypothesis, RecordSlot};
 
 /// The smallest and the largest change of each coordinate.
 #[derive(Clone, Debug)]
@@ -8,13 +8,16 @@ pub struct Room {
     /// Of the rig's coordinates.
     pub rig: Vec<[f64; 2]>,
     /// Of each record's coordinates.
-    pub own: Vec<Vec<[f64; 2]>>,
+    pub records: Vec<Vec<[f64; 2]>>,
 }
 
 impl Room {
-    /// Range around these coordinates of a hypothesis; `own_axes` are the axes of each record.
-    pub fn around(h: &Hypothesis, own_axes: &[Vec<Axis<Own>>], rig: &[f64], own: &[Vec<f64>]) -> Self {
-        Self { rig: each(&h.axes, rig), own: own_axes.iter().zip(own).map(|(axes, own)| each(axes, own)).collect() }
+    /// Range around these coordinates of a hypothesis; `record_axes` are those of each record.
+    pub fn around(h: &Hypothesis, record_axes: &[Vec<Axis<RecordSlot>>], rig: &[f64], records: &[Vec<f64>]) -> Self {
+        Self {
+            rig: each(&h.axes, rig),
+            records: record_axes.iter().zip(records).map(|(axes, record)| each(axes, record)).collect(),
+        }
     }
 }
 

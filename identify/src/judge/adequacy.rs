@@ -54,8 +54,8 @@ pub fn test(data: &Data, fit: &Fit) -> Adequacy {
 
 /// Sum of squares of a fit's whitened blocks minus its expectation, in standard deviations.
 fn squares_deviations(data: &Data, fit: &Fit, squares: f64) -> f64 {
-    let own: usize = fit.own.iter().map(Vec::len).sum();
-    let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - own as f64).max(1.0);
+    let of_records: usize = fit.records.iter().map(Vec::len).sum();
+    let freedom = (fit.blocks as f64 - fit.hypothesis.axes.len() as f64 - of_records as f64).max(1.0);
     let uncertain = freedom * data.noise.variance_error.max(NOISE_MODEL_SHARE);
     (squares - freedom) / (2.0 * freedom + uncertain * uncertain).sqrt()
 }
@@ -77,7 +77,7 @@ impl Adequacy {
     }
 
     /// Whether an earlier systematic misfit of `before_pa` is accounted for: adequate, or next to nothing of it remains.
-    pub fn settles(&self, before_pa: f64) -> bool {
+    pub fn accounts_for(&self, before_pa: f64) -> bool {
         self.is_adequate() || self.is_next_to_nothing(before_pa)
     }
 
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_nobody_minds_settles_a_misfit_and_explains_it_only_where_it_is_noise_or_little_of_it() {
+    fn a_remainder_below_the_accuracy_accounts_for_a_misfit_and_explains_it_only_if_it_is_noise_or_little() {
         let left = |systematic_pa, is_noise| Adequacy {
             is_noise,
             systematic_pa,
@@ -119,7 +119,7 @@ mod tests {
             family_probability: if is_noise { 0.1 } else { 1e-9 },
             families: Vec::new(),
         };
-        let judged = |after: Adequacy| (after.settles(100.0), after.explains(100.0));
+        let judged = |after: Adequacy| (after.accounts_for(100.0), after.explains(100.0));
         assert_eq!(judged(left(15.0, false)), (true, false));
         assert_eq!(judged(left(15.0, true)), (true, true));
         assert_eq!(judged(left(8.0, false)), (true, true));

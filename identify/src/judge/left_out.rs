@@ -11,7 +11,7 @@
 
 use crate::fit::{self, Fit, Until, readings};
 use crate::judge::misfit;
-use crate::parameters::{Hypothesis, Own};
+use crate::parameters::{Hypothesis, RecordSlot};
 use crate::record::data::{Data, Prepared};
 use chamber::dual::Dual;
 use chamber::integrate::IntegrationError;
@@ -144,7 +144,7 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
                 let left = if fold.selection[k] == 0 {
                     by_other_half(data, &refit, k)?
                 } else {
-                    misfit::of_record(t, &refit.setting(t, &refit.own[k]), effects).ok()?
+                    misfit::of_record(t, &refit.setting(t, &refit.records[k]), effects).ok()?
                 };
                 let weights = misfit::weights(data, t);
                 let judged = (fold.judged_from[k]..t.time_s.len()).filter(|&i| t.readout.is_data(i));
@@ -160,8 +160,8 @@ pub fn error(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<HeldOut> {
 /// is enough: along a narrow valley another one would creep on without predicting better.
 fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
     let h = Hypothesis { stated: Vec::new(), ..fitted.hypothesis.clone() };
-    let (rig, own) = (fitted.rig.clone(), fitted.own.clone());
-    fit::fit_until(data, &h, rig, own, &fold.selection, Until::ONE_DESCENT).ok()
+    let (rig, records) = (fitted.rig.clone(), fitted.records.clone());
+    fit::fit_until(data, &h, rig, records, &fold.selection, Until::ONE_DESCENT).ok()
 }
 
 /// Returns the squares that records left out whole add to a fit's sum of squares, per degree of freedom (their blocks less their
@@ -169,7 +169,7 @@ fn without_left_out(data: &Data, fitted: &Fit, fold: &Fold) -> Option<Fit> {
 /// uncertain that prediction is for lack of data. `None` where parts of records are left out, or a fold cannot be fitted. Source:
 /// G. C. Chow, Econometrica 28 (1960) 591.
 pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
-    let own = |k: &usize| fitted.own[*k].len();
+    let count = |k: &usize| fitted.records[*k].len();
     let (mut added, mut others) = ([0.0; 2], [0.0; 2]);
     for fold in folds {
         let (out, kept): (Vec<usize>, Vec<usize>) = (0..data.traces.len()).partition(|&k| fold.selection[k] == 0);
@@ -178,9 +178,9 @@ pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
         }
         let refit = without_left_out(data, fitted, fold)?;
         added[0] += fitted.chi2 - refit.chi2;
-        added[1] += (fitted.blocks - refit.blocks) as f64 - out.iter().map(own).sum::<usize>() as f64;
+        added[1] += (fitted.blocks - refit.blocks) as f64 - out.iter().map(count).sum::<usize>() as f64;
         others[0] += refit.chi2;
-        others[1] += refit.blocks as f64 - (fitted.rig.len() + kept.iter().map(own).sum::<usize>()) as f64;
+        others[1] += refit.blocks as f64 - (fitted.rig.len() + kept.iter().map(count).sum::<usize>()) as f64;
     }
     let mean = |[squares, freedom]: [f64; 2]| squares / freedom.max(1.0);
     Some(mean(added) / mean(others))
@@ -188,18 +188,18 @@ pub fn squares_added(data: &Data, fitted: &Fit, folds: &[Fold]) -> Option<f64> {
 
 /// Residual of a left-out record by row, Pa, each half with the per-record parameters fitted to the other half.
 fn by_other_half(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
-    let own = own_numbers(data, fitted, k)?;
-    match own.len() {
-        ..=4 => halves::<4>(data, fitted, k, &own),
-        5..=8 => halves::<8>(data, fitted, k, &own),
-        9..=12 => halves::<12>(data, fitted, k, &own),
+    let record = record_numbers(data, fitted, k)?;
+    match record.len() {
+        ..=4 => halves::<4>(data, fitted, k, &record),
+        5..=8 => halves::<8>(data, fitted, k, &record),
+        9..=12 => halves::<12>(data, fitted, k, &record),
         _ => None,
     }
 }
 
-fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> Option<Vec<f64>> {
+fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, record: &[f64]) -> Option<Vec<f64>> {
     let (t, h) = (&data.traces[k], &fitted.hypothesis);
-    let variables: Vec<Dual<N>> = own.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
+    let variables: Vec<Dual<N>> = record.iter().enumerate().map(|(i, x)| Dual::variable(*x, i)).collect();
     let rig: Vec<Dual<N>> = fitted.rig.iter().map(|x| Dual::from(*x)).collect();
     let model = readings(t, &h.setting(t, &rig, &[], &variables), h.model.effects).ok()?;
     // Runs longer than the correlation of the noise, but several of them in each half.
@@ -217,13 +217,13 @@ fn halves<const N: usize>(data: &Data, fitted: &Fit, k: usize, own: &[f64]) -> O
                 square += slope * slope.transpose();
                 right += slope * (t.pressure_pa[i] - model[i].value);
             }
-            for (i, axis) in h.own_of(t).iter().enumerate() {
+            for (i, axis) in h.record_axes(t).iter().enumerate() {
                 if let Some([mean, sd]) = axis.prior {
                     square[(i, i)] += variance / (sd * sd);
-                    right[i] += variance * (mean - own[i]) / (sd * sd);
+                    right[i] += variance * (mean - record[i]) / (sd * sd);
                 }
             }
-            for i in own.len()..N {
+            for i in record.len()..N {
                 square[(i, i)] = 1.0;
             }
             Some(square.cholesky()?.solve(&right))
@@ -249,12 +249,12 @@ fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
     let (low, high) = extremes(model);
     let change = ((high - low) / RUNS_IN_RANGE).max(f64::MIN_POSITIVE);
     let mut half = 0;
-    let (mut begun, mut way) = (0, 0.0);
+    let (mut begun, mut changed) = (0, 0.0);
     (0..model.len())
         .map(|i| {
-            way += (model[i] - model[i.saturating_sub(1)]).abs();
-            if i - begun >= rows || way >= change {
-                (half, begun, way) = (1 - half, i, 0.0);
+            changed += (model[i] - model[i.saturating_sub(1)]).abs();
+            if i - begun >= rows || changed >= change {
+                (half, begun, changed) = (1 - half, i, 0.0);
             }
             half
         })
@@ -262,36 +262,36 @@ fn alternating(model: &[f64], rows: usize) -> Vec<usize> {
 }
 
 /// Per-record parameters fitted to the whole record, with the rig's held.
-fn own_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
+fn record_numbers(data: &Data, fitted: &Fit, k: usize) -> Option<Vec<f64>> {
     let mut held = fitted.hypothesis.clone();
     held.base = fitted.chamber();
     held.axes.clear();
     held.stated.clear();
-    own_fit(data, &held, k, usize::MAX).ok().map(|mut fit| fit.own.swap_remove(k))
+    fit_record(data, &held, k, usize::MAX).ok().map(|mut fit| fit.records.swap_remove(k))
 }
 
 /// Fits one record's parameters to its rows before `until`; the hypothesis leaves no rig parameter free.
 ///
 /// # Errors
 /// Where the simulation fails at the very start.
-pub fn own_fit(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result<Fit, IntegrationError> {
+pub fn fit_record(data: &Data, held: &Hypothesis, k: usize, until: usize) -> Result<Fit, IntegrationError> {
     let t = &data.traces[k];
     let selection: Vec<usize> = (0..data.traces.len())
         .map(|i| if i == k { t.blocks.iter().filter(|b| b.end <= until).count() } else { 0 })
         .collect();
-    let mut first = held.first_owns(data);
+    let mut first = held.record_guesses(data);
     // Start from the initial pressure that matches the rest.
     if let Some(begin) = from_rest(t, held, &first[k]) {
-        let place = held.own_of(t).iter().position(|a| a.slot == Own::Pressure);
-        place.into_iter().for_each(|i| first[k][i] = begin);
+        let index = held.record_axes(t).iter().position(|a| a.slot == RecordSlot::Pressure);
+        index.into_iter().for_each(|i| first[k][i] = begin);
     }
     fit::fit(data, held, Vec::new(), first, &selection).map_err(|(_, source)| source)
 }
 
 /// Initial pressure, relative to its first guess, for which the model's mean over the rest equals the measured one.
-fn from_rest(t: &Prepared, held: &Hypothesis, own: &[f64]) -> Option<f64> {
+fn from_rest(t: &Prepared, held: &Hypothesis, record: &[f64]) -> Option<f64> {
     let rest = t.course.motion.segments.first().map_or(1, |s| s.end).max(1);
-    let run = fit::run(t, &held.setting(t, &[], &[], own), held.model.effects).pressures(&t.time_s[..rest]).ok()?;
+    let run = fit::run(t, &held.setting(t, &[], &[], record), held.model.effects).pressures(&t.time_s[..rest]).ok()?;
     Some(t.pressure_pa[..rest].iter().sum::<f64>() / run.iter().sum::<f64>())
 }
 
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_the_others_predict_add_as_many_squares_as_those_have_and_others_more() {
+    fn left_out_records_add_as_many_squares_per_degree_of_freedom_only_if_the_others_predict_them() {
         let mut recipe = Recipe::from_seed(5).with("leakage", &[2e-11]);
         let added = |recipe: &Recipe, names: &[&str]| {
             let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fast_moves_of_few_rows_leave_open_hides_no_error_elsewhere() {
+    fn the_uncertainty_of_fast_moves_of_few_rows_hides_no_error_elsewhere() {
         let mut recipe = Recipe { repeats: 2, rate_hz: 50.0, position_noise_m: 2e-4, ..Recipe::from_seed(5) };
         recipe.noise_pa = 60.0;
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn both_halves_see_a_move_of_few_rows_and_rests_are_cut_as_the_noise_remembers() {
+    fn both_halves_contain_part_of_a_move_of_few_rows_and_runs_at_rest_are_longer_than_the_noise_correlation() {
         let model: Vec<f64> = (0..400).map(|i| 1e5 + 5e4 * f64::from((i - 103).clamp(0, 6))).collect();
         let half = alternating(&model, 50);
         let of_move = &half[103..110];

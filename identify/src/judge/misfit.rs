@@ -29,14 +29,14 @@ pub fn of_record(t: &Prepared, setting: &Setting<f64>, set: EffectSet) -> Result
 
 /// Row residuals, Pa, record by record; NaN where the simulation fails.
 pub fn residuals(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
-    each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.own[k]))
+    each_record(data, fit, |k| fit.setting(&data.traces[k], &fit.records[k]))
 }
 
 /// The same with the stated parameters moved within their tolerances, as the fit favours.
 pub fn residuals_moved(data: &Data, fit: &Fit) -> Vec<Vec<f64>> {
     // The free rig and per-record parameters adapt to the stated ones, to first order from the normal equations.
     each_record(data, fit, |k| {
-        fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.own_moved(data, k))
+        fit.hypothesis.setting(&data.traces[k], &fit.rig_moved(), &fit.moved, &fit.record_moved(data, k))
     })
 }
 
@@ -143,10 +143,10 @@ fn beyond_steps(data: &Data, residuals: &[Vec<f64>]) -> Option<f64> {
 /// Mean product of the residuals of different repeats at corresponding rows of a segment, Pa².
 fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segment: usize) -> f64 {
     let traces: Vec<&Prepared> = of_experiment.iter().map(|&k| &data.traces[k]).collect();
-    let rows = repeats::data_beside_each_other(&traces, segment);
+    let rows = repeats::aligned_data_rows(&traces, segment);
     let length = rows[0].len();
     let aligned: Vec<Vec<f64>> =
-        of_experiment.iter().zip(&rows).map(|(&k, own)| own.iter().map(|&i| residuals[k][i]).collect()).collect();
+        of_experiment.iter().zip(&rows).map(|(&k, rows)| rows.iter().map(|&i| residuals[k][i]).collect()).collect();
     let (mut sum, mut pairs) = (0.0, 0.0);
     for (i, a) in aligned.iter().enumerate() {
         for b in &aligned[i + 1..] {
@@ -159,8 +159,9 @@ fn in_common(data: &Data, residuals: &[Vec<f64>], of_experiment: &[usize], segme
 
 /// Pressure variance in a segment due to the rounding of the held piston's position, Pa².
 fn by_rounding(t: &Prepared, segment: usize) -> f64 {
-    let own = t.blocks.iter().filter(|b| b.segment == segment);
-    let (sum, rows) = own.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.by_rounding_pa.powi(2), n + b.rows));
+    let held = t.blocks.iter().filter(|b| b.segment == segment);
+    let (sum, rows) =
+        held.fold((0.0, 0), |(sum, n), b| (sum + b.rows as f64 * b.position_rounding_sd_pa.powi(2), n + b.rows));
     sum / rows.max(1) as f64
 }
 
@@ -170,7 +171,7 @@ fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> 
     let (mut sum, mut rows) = (0.0, 0usize);
     for b in t.blocks.iter().filter(|b| b.segment == segment) {
         for i in (b.first..b.end).filter(|&i| t.readout.is_data(i)) {
-            sum += residual[i].powi(2) - noise - left_open(t, b, i);
+            sum += residual[i].powi(2) - noise - position_variance(t, b, i);
             rows += 1;
         }
     }
@@ -178,12 +179,12 @@ fn beyond_noise(data: &Data, t: &Prepared, residual: &[f64], segment: usize) -> 
 }
 
 /// Variance of the pressure at a row of a block due to the positions, Pa².
-fn left_open(t: &Prepared, b: &Block, row: usize) -> f64 {
+fn position_variance(t: &Prepared, b: &Block, row: usize) -> f64 {
     let (low, high) = (row.saturating_sub(1), (row + 1).min(t.pressure_pa.len() - 1));
     let rate = (t.pressure_pa[high] - t.pressure_pa[low]) / (t.time_s[high] - t.time_s[low]);
     let shift_s = t.course.motion.segments[b.segment].shift_s;
     let common: f64 = b.common_sd_pa.iter().map(|c| c * c).sum();
-    b.by_position_pa.powi(2) + common + (rate * shift_s).powi(2)
+    b.position_sd_pa.powi(2) + common + (rate * shift_s).powi(2)
 }
 
 /// Weight of each row of a record, from 0 to 1: the noise's fraction of its variance, the rest being due to the positions.
@@ -192,7 +193,7 @@ pub fn weights(data: &Data, t: &Prepared) -> Vec<f64> {
     let mut out = vec![1.0; t.pressure_pa.len()];
     for b in &t.blocks {
         for (weight, row) in out[b.first..b.end].iter_mut().zip(b.first..) {
-            *weight = noise / (noise + left_open(t, b, row));
+            *weight = noise / (noise + position_variance(t, b, row));
         }
     }
     out
@@ -205,7 +206,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn what_readings_that_stick_to_steps_share_in_all_repeats_is_no_misfit_but_what_a_model_is_off_is() {
+    fn a_rounding_error_that_repeats_share_is_no_misfit_and_a_model_error_is() {
         // Eight bits over ten bars.
         let recipe = Recipe { quantisation_pa: 1e6 / 256.0, noise_pa: 50.0, ..Recipe::from_seed(5) };
         let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_single_record_leaves_is_not_hidden_by_its_repeats() {
+    fn the_misfit_of_a_single_record_is_not_hidden_by_its_repeats() {
         let (data, fit) = baseline::fitted(Data::prepare(&Recipe::from_seed(5).rig()).unwrap()).unwrap();
         let mut residuals = residuals(&data, &fit);
         let noise_pa = data.noise.total_pa();

@@ -2,7 +2,7 @@
 
 pub(crate) mod adequacy;
 pub(crate) mod evidence;
-pub(crate) mod kinds;
 pub(crate) mod left_out;
 pub mod misfit;
 pub(crate) mod sanity;
+pub(crate) mod test_dependence;

@@ -57,7 +57,7 @@ pub fn reference(data: &Data, fitted: &Fit) -> Result<(), Error> {
     let misfit = |offset_pa: f64| {
         let shifted = shifted(data, offset_pa);
         let h = &fitted.hypothesis;
-        fit::fit(&shifted, h, fitted.rig.clone(), h.first_owns(&shifted), &fit::all_blocks(&shifted))
+        fit::fit(&shifted, h, fitted.rig.clone(), h.record_guesses(&shifted), &fit::all_blocks(&shifted))
             .map_or(f64::INFINITY, |f| f.chi2)
     };
     let beyond_noise = fitted.chi2 - fitted.blocks as f64;

@@ -7,7 +7,7 @@
 use crate::fit::Fit;
 use crate::fit::covariance::NORMAL_95;
 use crate::judge::left_out;
-use crate::parameters::{Axis, Hypothesis, Own};
+use crate::parameters::{Axis, Hypothesis, RecordSlot};
 use crate::record::data::Data;
 
 /// A variance above this fraction of the prior one means that the sensitivity is uninformative.
@@ -18,7 +18,7 @@ const HALVINGS: usize = 10;
 const FIRMLY: f64 = 1e-3;
 
 /// A per-record parameter in the fit to some of the record's rows.
-pub struct OwnFit<'a> {
+pub struct RecordFit<'a> {
     /// The prepared data of the fit.
     pub data: &'a Data,
     /// The free parameters of each record.
@@ -29,21 +29,21 @@ pub struct OwnFit<'a> {
     pub until: usize,
 }
 
-impl OwnFit<'_> {
+impl RecordFit<'_> {
     /// Returns the coordinate at the upper end of the interval of a parameter that fits best at its lower bound; `None` where it
     /// is not there, or where its `variance` is informative.
-    pub fn farthest(&self, axis: &Axis<Own>, best: &Fit, x: f64, variance: f64) -> Option<f64> {
+    pub fn farthest(&self, axis: &Axis<RecordSlot>, best: &Fit, x: f64, variance: f64) -> Option<f64> {
         let [mean, sd] = axis.prior?;
-        let Own::Effect(effect, parameter) = axis.slot else { return None };
+        let RecordSlot::Effect(effect, parameter) = axis.slot else { return None };
         if x > axis.bounds[0] || variance < UNTOLD * sd * sd {
             return None;
         }
         let squares = |x: f64| {
             let mut held = self.hypothesis.clone();
             held.base.effects.of_mut(effect)[parameter] = axis.value(x);
-            let own = held.own.iter_mut().filter(|own| own.slot == axis.slot);
-            own.for_each(|own| own.prior = Some([x, FIRMLY * sd]));
-            let fit = left_out::own_fit(self.data, &held, self.record, self.until);
+            let axes = held.record_effects.iter_mut().filter(|other| other.slot == axis.slot);
+            axes.for_each(|axis| axis.prior = Some([x, FIRMLY * sd]));
+            let fit = left_out::fit_record(self.data, &held, self.record, self.until);
             fit.map_or(f64::INFINITY, |fit| fit.chi2 + ((x - mean) / sd).powi(2))
         };
         let is_within = |x: f64| squares(x) < best.chi2 + NORMAL_95 * NORMAL_95;

@@ -6,16 +6,16 @@ use crate::fit::Fit;
 use crate::fit::covariance::{self, Undetermined};
 use crate::judge::adequacy::has_squares_of_noise;
 use crate::judge::misfit;
+use crate::outcome::empirical::Empirical;
 use crate::outcome::estimates::{Estimates, Rmse, as_map, parameters, uncertainty};
 use crate::outcome::next_experiment::{self, NextExperiment};
 use crate::outcome::over_sets;
 use crate::outcome::probability;
-use crate::outcome::read_off::Empirical;
 use crate::outcome::recording::{self, NoiseFound, RecordFound};
 use crate::outcome::remainder;
 use crate::outcome::rigs;
 use crate::outcome::unnamed::{Unnamed, unnamed};
-use crate::parameters::{Model, OwnStart, names};
+use crate::parameters::{Model, RecordStart, names};
 use crate::record::data::Data;
 use crate::search::{self, Candidate, Found, Verdict};
 use chamber::Chamber;
@@ -208,8 +208,8 @@ impl Diagnosed {
 
     /// Per-record terms, which that chamber does not contain.
     pub fn of_each_record(&self) -> OfEachRecord {
-        let Model { own, own_start, .. } = self.found.reported().model;
-        OfEachRecord { effects: own, initial_temperature: own_start > OwnStart::Nothing }
+        let Model { per_record, record_start, .. } = self.found.reported().model;
+        OfEachRecord { effects: per_record, initial_temperature: record_start > RecordStart::Nothing }
     }
 
     /// Uncertainty of that chamber's parameters.
@@ -255,7 +255,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         (Verdict::Unexplained, _) | (_, None) => missing.first().map_or("none", |m| m.balance),
         (_, Some(first)) => match chamber::effects::find(first) {
             Some((effects::Empirical::INDEX, _)) => {
-                found.read_off.as_ref().map_or("none", |r| r.first_order.term.balance().name())
+                found.curve_fit.as_ref().map_or("none", |r| r.first_order.term.balance().name())
             }
             Some((_, card)) => card.balance.name(),
             None => "none",
@@ -283,7 +283,7 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         after: after_side,
         candidates: each_set_once(&found.tried).map(|c| tried(&data, c)).collect(),
         lambda0_budget,
-        empirical: found.read_off.as_ref().and_then(|r| Empirical::of(r, r.fate.is_accepted() && adequacy.is_noise)),
+        empirical: found.curve_fit.as_ref().and_then(|r| Empirical::of(r, r.fate.is_accepted() && adequacy.is_noise)),
         missing,
         undetermined: covariance::undetermined(&after.fit),
         next_experiments: next_experiment::next(&data, &found),
@@ -394,10 +394,11 @@ mod tests {
 
     #[test]
     fn a_name_stands_once_in_a_group_of_those_that_cannot_be_told_apart() {
-        let chosen = Model { own: set(&["record_delay"]), ..Model::with(set(&["wall_conduction", "record_delay"])) };
+        let chosen =
+            Model { per_record: set(&["record_delay"]), ..Model::with(set(&["wall_conduction", "record_delay"])) };
         let common = Model::with(set(&["wall_heating", "record_delay"]));
-        let own = Model { own: set(&["record_delay"]), ..common };
-        assert_eq!(groups(&chosen, &[common, own]), [["wall_conduction", "wall_heating"]]);
+        let per_record = Model { per_record: set(&["record_delay"]), ..common };
+        assert_eq!(groups(&chosen, &[common, per_record]), [["wall_conduction", "wall_heating"]]);
         let folded = Model::with(chosen.effects);
         assert_eq!(groups(&chosen, &[folded, folded])[0].len(), 2);
     }

@@ -130,9 +130,9 @@ fn exact(data: Data) -> Result<Identification, Error> {
     let masses: Vec<f64> = data
         .traces
         .iter()
-        .zip(&fit.own)
-        .map(|(t, own)| {
-            let start = fit.setting(t, own).start;
+        .zip(&fit.records)
+        .map(|(t, record)| {
+            let start = fit.setting(t, record).start;
             start.pressure * first_volume(t) / (chamber.gas.gas_constant * start.temperature)
         })
         .collect();
@@ -219,7 +219,7 @@ fn predicted(data: &Data, chamber: &Chamber) -> Result<Vec<Vec<f64>>, Error> {
     data.traces
         .iter()
         .map(|t| {
-            let setting = h.setting(t, &rig, &[], &h.first_own(t));
+            let setting = h.setting(t, &rig, &[], &h.record_guess(t));
             misfit::of_record(t, &setting, h.model.effects)
                 .map_err(|source| Error::Simulation { trace: t.path.clone(), source })
         })
@@ -231,12 +231,12 @@ fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<Experi
         .iter()
         .enumerate()
         .map(|(e, name)| {
-            let own: Vec<&TimeConstant> =
+            let of_test: Vec<&TimeConstant> =
                 steps.iter().filter(|(k, _)| *k == e).filter_map(|(_, s)| s.as_ref().ok()).collect();
             let mut of_experiment = steps.iter().filter(|(k, _)| *k == e);
             let refused = of_experiment.find_map(|(_, s)| s.as_ref().err()).map(ToString::to_string);
             let mean = |f: &dyn Fn(&TimeConstant) -> f64| {
-                (!own.is_empty()).then(|| own.iter().map(|s| f(s)).sum::<f64>() / own.len() as f64)
+                (!of_test.is_empty()).then(|| of_test.iter().map(|s| f(s)).sum::<f64>() / of_test.len() as f64)
             };
             let fitted: Option<Vec<f64>> = masses
                 .map(|m| m.iter().zip(&data.traces).filter(|(_, t)| t.experiment == e).map(|(m, _)| *m).collect());
@@ -250,7 +250,7 @@ fn experiments(data: &Data, steps: &Steps, masses: Option<&[f64]>) -> Vec<Experi
                     .map(|m| m.iter().sum::<f64>() / m.len() as f64)
                     .or_else(|| mean(&|s| s.steps.mass_kg.value)),
                 steps_lambda0_w_per_m2_k: mean(&|s| s.steps.coefficient_0_w_per_m2_k.value),
-                steps_refused: refused.filter(|_| own.is_empty()),
+                steps_refused: refused.filter(|_| of_test.is_empty()),
             }
         })
         .collect()

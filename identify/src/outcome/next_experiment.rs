@@ -102,12 +102,12 @@ fn tests(data: &Data) -> Vec<Test> {
     let mut pressures = vec![lowest_pa, highest_pa];
     pressures.dedup_by(|a, b| (*a / *b - 1.0).abs() < 0.1);
     let mut out = Vec::new();
-    for (from, to, way) in [(high, low, "compress"), (low, high, "expand")] {
+    for (from, to, verb) in [(high, low, "compress"), (low, high, "expand")] {
         for &pressure_pa in &pressures {
             for push_s in [1.0, 4.0, 16.0].map(|slower| slower * fastest_s) {
                 for hold_s in [longest_s, 6.0 * longest_s] {
                     let words = format!(
-                        "{way} from {:.0} mm to {:.0} mm in {} s, beginning at {:.2} bar absolute, and hold for {hold_s:.0} s",
+                        "{verb} from {:.0} mm to {:.0} mm in {} s, beginning at {:.2} bar absolute, and hold for {hold_s:.0} s",
                         from * 1e3,
                         to * 1e3,
                         digits(push_s, 2),

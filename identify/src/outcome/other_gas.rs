@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gas_that_is_not_the_stated_one_is_told_by_its_heat_capacity_ratio() {
+    fn a_gas_that_is_not_the_stated_one_is_recognised_by_its_heat_capacity_ratio() {
         let mut recipe = Recipe { repeats: 1, noise_pa: 60.0, ..Recipe::from_seed(5) };
         assert_eq!(said_of(&recipe), None);
         recipe.chamber.gas = Gas::named("argon").unwrap();

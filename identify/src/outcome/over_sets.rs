@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn two_values_far_apart_are_both_in_the_interval_as_far_as_their_odds_ask() {
+    fn two_values_far_apart_are_both_in_the_interval_if_their_odds_are_high_enough() {
         // Each tail holds 2.5 % of the total: 5 % of a set with half of the odds, 3.125 % and 12.5 % of sets with 0.8 and 0.2.
         let [low, high] = interval(&[(1.0, estimate(20.0, NORMAL_95)), (1.0, estimate(30.0, NORMAL_95))]);
         assert!((low - (20.0 - 1.644_854)).abs() < 1e-5 && (high - (30.0 + 1.644_854)).abs() < 1e-5, "{low} {high}");

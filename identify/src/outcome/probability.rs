@@ -74,7 +74,7 @@ mod tests {
     use chamber::effects::WallHeating;
 
     #[test]
-    fn what_explains_the_records_is_as_probable_as_a_set_with_more_evidence_that_the_search_has_refused() {
+    fn the_explaining_set_is_as_probable_as_a_refused_set_with_more_evidence() {
         let recipe = Recipe::from_seed(5).with("leakage", &[2e-11]);
         let (_, mut found) = search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap();
         assert_eq!(found.verdict, Verdict::Explained);

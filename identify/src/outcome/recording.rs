@@ -6,8 +6,8 @@ use crate::discrepancy;
 use crate::fit::Fit;
 use crate::fit::covariance;
 use crate::judge::misfit;
-use crate::parameters::{Model, Own, OwnStart};
-use crate::record::between_rows::Look;
+use crate::parameters::{Model, RecordSlot, RecordStart};
+use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
 use crate::record::far_off;
 use crate::record::gaps;
@@ -75,11 +75,11 @@ pub fn records(data: &Data, fit: &Fit, residuals: &[Vec<f64>], leaves_noise: boo
     (0..data.traces.len())
         .map(|k| {
             let t = &data.traces[k];
-            let own = covariance::of_record(fit, k, &rig);
-            let axes = fit.hypothesis.own_of(t);
-            let estimate = |(i, axis): (usize, &crate::parameters::Axis<crate::parameters::Own>)| {
-                let variance = own.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
-                (axis.slot.name(), covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit()))
+            let covariance = covariance::of_record(fit, k, &rig);
+            let axes = fit.hypothesis.record_axes(t);
+            let estimate = |(i, axis): (usize, &crate::parameters::Axis<crate::parameters::RecordSlot>)| {
+                let variance = covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
+                (axis.slot.name(), covariance::estimate(axis, fit.records[k][i], variance, axis.slot.unit()))
             };
             let (sum, rows) = misfit::squares(t, &residuals[k], 0);
             RecordFound {
@@ -152,21 +152,21 @@ pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
     out.extend(every_row_is_a_reading(data));
     out.extend(positions(data));
     out.extend(noise_of_positions(data));
-    let averaged = data.traces.iter().filter(|t| t.look.window_s > 0.0);
-    let between_rows = data.traces.iter().filter(|t| t.look.window_s == 0.0 && t.look != Look::default());
-    let open = |t: &Prepared| t.blocks.iter().map(|b| b.by_position_pa).fold(0.0, f64::max);
-    if let Some(open) = between_rows.map(open).reduce(f64::max) {
+    let averaged = data.traces.iter().filter(|t| t.timing.window_s > 0.0);
+    let between_rows = data.traces.iter().filter(|t| t.timing.window_s == 0.0 && t.timing != SensorTiming::default());
+    let sd_pa = |t: &Prepared| t.blocks.iter().map(|b| b.position_sd_pa).fold(0.0, f64::max);
+    if let Some(sd_pa) = between_rows.map(sd_pa).reduce(f64::max) {
         out.push(format!(
             "in fast moves the pressures depend on the stroke between two rows, which leaves them uncertain by up to {} Pa: they get less weight",
-            digits(open, 2)
+            digits(sd_pa, 2)
         ));
     }
-    let open = averaged.clone().map(open).fold(0.0, f64::max);
-    if let Some(window_s) = averaged.map(|t| t.look.window_s).reduce(f64::max) {
+    let sd_pa = averaged.clone().map(sd_pa).fold(0.0, f64::max);
+    if let Some(window_s) = averaged.map(|t| t.timing.window_s).reduce(f64::max) {
         out.push(format!(
             "the positions look like averages over {} s, which hide the course of moves hardly longer than that: the pressures in such moves are uncertain by up to {} Pa and get less weight",
             digits(window_s, 2),
-            digits(open, 2)
+            digits(sd_pa, 2)
         ));
     }
     out.extend(in_motion(data));
@@ -316,14 +316,14 @@ fn positions(data: &Data) -> Vec<String> {
 fn noise_of_positions(data: &Data) -> Option<String> {
     /// Relative to the noise of the pressures.
     const MUCH: f64 = 2.0;
-    let open_pa = data.open_pa();
-    let is_plain = data.traces.iter().all(|t| t.look == Look::default());
-    (is_plain && open_pa > MUCH * data.noise.total_pa()).then(|| {
+    let position_uncertainty_pa = data.position_uncertainty_pa();
+    let is_plain = data.traces.iter().all(|t| t.timing == SensorTiming::default());
+    (is_plain && position_uncertainty_pa > MUCH * data.noise.total_pa()).then(|| {
         let noise_m = data.traces.iter().map(|t| t.course.motion.noise_m).fold(0.0, f64::max);
         format!(
             "the positions scatter by up to {} µm, which leaves the pressures of moves uncertain by {} Pa rms: they get less weight, and an error of that size counts as noise there",
             digits(1e6 * noise_m, 2),
-            digits(open_pa, 2)
+            digits(position_uncertainty_pa, 2)
         )
     })
 }
@@ -340,7 +340,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     }
     out.extend(other_gas::sentence(data, found));
     if found.verdict != Verdict::Adequate {
-        out.extend(stated_numbers::crooked_positions(data, &found.baseline.fit));
+        out.extend(stated_numbers::nonlinear_positions(data, &found.baseline.fit));
     }
     if let Some(effects) = found.by_geometry {
         let names: Vec<&str> = effects.iter().map(|e: usize| CARDS[e].name).collect();
@@ -349,7 +349,7 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             listed(&names)
         ));
     }
-    if let Some(r) = found.read_off.as_ref().filter(|r| !r.fate.is_accepted()) {
+    if let Some(r) = found.curve_fit.as_ref().filter(|r| !r.fate.is_accepted()) {
         out.push(format!(
             "the best curve, a {} over the {}, is not in the model, because {}; the error on left-out data goes from {} to {} Pa with it",
             discrepancy::quantity(r.first_order.term),
@@ -359,10 +359,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
             digits(r.left_out_pa[1], 3)
         ));
     }
-    if found.verdict == Verdict::Adequate && found.chosen.model.own != EffectSet::NONE {
+    if found.verdict == Verdict::Adequate && found.chosen.model.per_record != EffectSet::NONE {
         out.push("the records differ in how they were recorded (the report and `records` in the JSON show it), not in physics".to_owned());
     }
-    if let Some(other) = found.coefficient_stands_for() {
+    if let Some(other) = found.set_with_plausible_coefficient() {
         let of = |fit: &Fit| digits(fit.chamber().heat_transfer.coefficient, 3);
         out.push(format!(
             "lambda0 = {} W/(m2 K) is not possible for a gas in a cylinder: it makes up for what the paper's model lacks. With {} it is {}",
@@ -373,10 +373,10 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     }
     out.extend(common_start(data, fit));
     out.extend(positions_too_far(&found.reported().fit, found.adequacy().is_adequate()));
-    if found.follows_the_test {
-        let Model { own, own_start, .. } = found.chosen.model;
-        let wall = Some(own_start).filter(|start| *start == OwnStart::GasAndWall).and_then(OwnStart::term);
-        let names: Vec<&str> = own.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
+    if found.depends_on_test {
+        let Model { per_record, record_start, .. } = found.chosen.model;
+        let wall = Some(record_start).filter(|start| *start == RecordStart::GasAndWall).and_then(RecordStart::term);
+        let names: Vec<&str> = per_record.iter().map(|e: usize| CARDS[e].name).chain(wall).collect();
         out.push(format!(
             "{} of the records: equal in the repeats of each test, but different from test to test, so that a property of the rig must be the cause",
             listed(&names)
@@ -416,7 +416,7 @@ pub fn positions_too_far(fit: &Fit, is_adequate: bool) -> Option<String> {
 /// The note on what the records' initial temperatures have in common, where they are fitted and that is more than chance.
 fn common_start(data: &Data, fit: &Fit) -> Option<String> {
     const DEVIATIONS: f64 = 4.0;
-    let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.own, Own::Temperature));
+    let of_each = data.traces.iter().zip(fit.hypothesis.of_each(data, &fit.records, RecordSlot::Temperature));
     let warmer_k: Vec<f64> =
         of_each.filter_map(|(t, number)| number.map(|(axis, x)| axis.value(x) - t.initial_temperature_k)).collect();
     let count = warmer_k.len() as f64;

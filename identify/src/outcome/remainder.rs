@@ -26,7 +26,7 @@ pub fn of(data: &Data, found: &Found, left: &Adequacy) -> String {
     if !found.carries_over {
         return "on records left out whole it errs much more than on those it is fitted to".to_owned();
     }
-    if found.follows_the_test {
+    if found.depends_on_test {
         return "the records' own parameters differ from test to test".to_owned();
     }
     let fit = &found.reported().fit;
@@ -46,7 +46,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn what_remains_is_told_by_its_size_where_it_has_one_and_else_by_what_is_wrong_with_the_model() {
+    fn the_remainder_is_described_by_its_size_or_else_by_the_fault_of_the_model() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.tests.truncate(2);
         let prepared = Data::prepare(&recipe.rig()).unwrap();
@@ -71,7 +71,7 @@ mod tests {
         found.carries_over = false;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("records left out whole"));
         found.carries_over = true;
-        found.follows_the_test = true;
+        found.depends_on_test = true;
         assert!(of(&data, &found, &left(0.0, true, true)).contains("from test to test"));
     }
 }

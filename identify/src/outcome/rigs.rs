@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_cut_where_they_scatter_least() {
+    fn numbers_are_split_where_the_groups_scatter_least() {
         assert_eq!(in_two(&[5.0, 1.0, 5.2, 1.1, 0.9]), [vec![0, 2], vec![1, 3, 4]]);
     }
 }

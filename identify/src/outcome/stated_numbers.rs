@@ -50,10 +50,10 @@ pub fn moved_zero(data: &Data) -> Option<String> {
 
 /// The note that a position sensor less straight than its tolerance allows would account for the records with the paper's model
 /// alone.
-pub fn crooked_positions(data: &Data, paper: &Fit) -> Option<String> {
+pub fn nonlinear_positions(data: &Data, paper: &Fit) -> Option<String> {
     /// In tolerances: 0.2 % of the way by default, as much as a plain potentiometer may be off.
     const MOST: f64 = 10.0;
-    let (squares, tolerances) = paper.marginal_of_crooked_positions(MOST)?;
+    let (squares, tolerances) = paper.marginal_with_nonlinear_positions(MOST)?;
     let is_open = (TOLERANCES..MOST).contains(&tolerances) && are_squares_of_noise(data, paper, squares);
     is_open.then(|| {
         format!(
@@ -96,7 +96,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn a_stated_number_is_doubted_where_another_one_takes_away_most_of_the_misfit() {
+    fn a_stated_number_is_doubted_where_another_value_removes_most_of_the_misfit() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.bore_times = 1.1;
         let (data, mut fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -109,12 +109,12 @@ mod tests {
     }
 
     #[test]
-    fn crooked_positions_are_told_where_they_account_for_the_records_and_not_beside_a_leak() {
+    fn nonlinear_positions_are_reported_where_they_account_for_the_records_and_not_beside_a_leak() {
         let said = |change: &dyn Fn(&mut Recipe)| {
             let mut recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) };
             change(&mut recipe);
             let (data, fit) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
-            crooked_positions(&data, &fit)
+            nonlinear_positions(&data, &fit)
         };
         let bent =
             |amplitude| said(&|recipe| recipe.faults.position_wave = Some(Wave { amplitude, angles: [0.0, TAU] }));

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_that_is_zero_but_for_round_off_is_told_as_zero() {
+    fn a_knot_that_is_zero_but_for_round_off_is_reported_as_zero() {
         assert_eq!(places(&[-5.684e-14, 6.2e-5, 62.0]), [0.0, 6.2e-5, 62.0]);
         assert_eq!(places(&[-3e-12, 2e-12]), [-3e-12, 2e-12]);
     }

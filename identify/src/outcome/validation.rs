@@ -4,13 +4,13 @@
 //! where the model's records had their own, and parameters of recording effects. They are fitted to the record's start, its rest
 //! and its first move, and the rest of the record is predicted, with the model's drift; or, with the whole record, to all of it.
 
-use super::at_bound::OwnFit;
+use super::at_bound::RecordFit;
 use super::estimates::{Estimates, as_map};
 use super::recording;
 use crate::error::Error;
 use crate::fit::covariance;
 use crate::judge::{left_out, misfit};
-use crate::parameters::{Hypothesis, Model, Own, Sizes, delays_position};
+use crate::parameters::{Hypothesis, Model, RecordSlot, Sizes, delays_position};
 use crate::policy;
 use crate::record::data::{Data, Prepared};
 use crate::record::gaps;
@@ -204,17 +204,18 @@ fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis 
     // per-record only where the model or each of its own records has them, and the former only with the whole record.
     let growing = terms::growing_with_time();
     let only_of_model = growing.union(terms::of_record().iter().filter(|e| delays_position(*e)).collect());
-    let own = terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record.effects)));
-    let own = if whole_record { own } else { own.without(growing) };
-    let with = Model::with(chamber.active().union(own));
-    let own_start = if model.of_each_record.initial_temperature { with.most_of_start() } else { with.own_start };
-    let model = Model { own, own_start, ..with };
+    let per_record =
+        terms::of_record().without(only_of_model.without(chamber.active().union(model.of_each_record.effects)));
+    let per_record = if whole_record { per_record } else { per_record.without(growing) };
+    let with = Model::with(chamber.active().union(per_record));
+    let record_start = if model.of_each_record.initial_temperature { with.most_of_start() } else { with.record_start };
+    let model = Model { per_record, record_start, ..with };
     let mut hypothesis = Hypothesis::new(data, model, chamber, &Sizes::of(data, chamber));
     hypothesis.axes.clear();
     hypothesis.stated.clear();
     // The records of a rig scatter about the model's values for its logger and gauges, by less than loggers and gauges do.
-    for axis in &mut hypothesis.own {
-        if let (Own::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
+    for axis in &mut hypothesis.record_effects {
+        if let (RecordSlot::Effect(e, p), Some([_, sd])) = (axis.slot, axis.prior) {
             let mean = axis.coordinate(chamber.effects.of(e)[p]);
             axis.prior = Some([mean, policy::BETWEEN_RECORDS * sd]);
         }
@@ -226,19 +227,19 @@ fn hypothesis(data: &Data, model: &Predictor, whole_record: bool) -> Hypothesis 
 fn of_record(data: &Data, hypothesis: &Hypothesis, k: usize, until: usize) -> Result<(Estimates, Vec<f64>), Error> {
     let t = &data.traces[k];
     let failed = |source| Error::Simulation { trace: t.path.clone(), source };
-    let fit = left_out::own_fit(data, hypothesis, k, until).map_err(failed)?;
-    let residual = misfit::of_record(t, &fit.setting(t, &fit.own[k]), hypothesis.model.effects).map_err(failed)?;
+    let fit = left_out::fit_record(data, hypothesis, k, until).map_err(failed)?;
+    let residual = misfit::of_record(t, &fit.setting(t, &fit.records[k]), hypothesis.model.effects).map_err(failed)?;
     let variance = covariance::of_record(&fit, k, &DMatrix::zeros(0, 0));
-    let own_fit = OwnFit { data, hypothesis, record: k, until };
-    let estimate = |(i, axis): (usize, &crate::parameters::Axis<Own>)| {
+    let record_fit = RecordFit { data, hypothesis, record: k, until };
+    let estimate = |(i, axis): (usize, &crate::parameters::Axis<RecordSlot>)| {
         let variance = variance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)]);
-        let mut estimate = covariance::estimate(axis, fit.own[k][i], variance, axis.slot.unit());
-        if let Some(farthest) = own_fit.farthest(axis, &fit, fit.own[k][i], variance) {
+        let mut estimate = covariance::estimate(axis, fit.records[k][i], variance, axis.slot.unit());
+        if let Some(farthest) = record_fit.farthest(axis, &fit, fit.records[k][i], variance) {
             estimate.ci95[1] = axis.value(farthest);
         }
         (axis.slot.name(), estimate)
     };
-    Ok((hypothesis.own_of(t).iter().enumerate().map(estimate).collect(), residual))
+    Ok((hypothesis.record_axes(t).iter().enumerate().map(estimate).collect(), residual))
 }
 
 /// The data with the error of the model beyond noise, Pa rms, added to the noise: where the model errs, a start determines

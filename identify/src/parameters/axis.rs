@@ -71,7 +71,7 @@ impl Slot {
 
 /// A per-record parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Own {
+pub enum RecordSlot {
     /// Initial pressure, relative to its first guess.
     Pressure,
     /// Initial temperature, relative to its first guess.
@@ -86,26 +86,26 @@ pub enum Own {
     Effect(usize, usize),
 }
 
-impl Own {
+impl RecordSlot {
     /// Its name in result files.
     pub fn name(self) -> String {
         match self {
-            Own::Pressure => "initial_pressure_pa".to_owned(),
-            Own::Temperature => "initial_temperature_k".to_owned(),
-            Own::WallTemperature => "initial_wall_temperature_k".to_owned(),
-            Own::AmbientTemperature => Slot::AmbientTemperature.name(),
-            Own::BehindGap(gap) => format!("behind_gap_{}.temperature_ratio", gap + 1),
-            Own::Effect(e, p) => Slot::Effect(e, p).name(),
+            RecordSlot::Pressure => "initial_pressure_pa".to_owned(),
+            RecordSlot::Temperature => "initial_temperature_k".to_owned(),
+            RecordSlot::WallTemperature => "initial_wall_temperature_k".to_owned(),
+            RecordSlot::AmbientTemperature => Slot::AmbientTemperature.name(),
+            RecordSlot::BehindGap(gap) => format!("behind_gap_{}.temperature_ratio", gap + 1),
+            RecordSlot::Effect(e, p) => Slot::Effect(e, p).name(),
         }
     }
 
     /// Its unit's symbol.
     pub fn unit(self) -> &'static str {
         match self {
-            Own::Pressure => "Pa",
-            Own::Temperature | Own::WallTemperature | Own::AmbientTemperature => "K",
-            Own::BehindGap(_) => "1",
-            Own::Effect(e, p) => Slot::Effect(e, p).unit(),
+            RecordSlot::Pressure => "Pa",
+            RecordSlot::Temperature | RecordSlot::WallTemperature | RecordSlot::AmbientTemperature => "K",
+            RecordSlot::BehindGap(_) => "1",
+            RecordSlot::Effect(e, p) => Slot::Effect(e, p).unit(),
         }
     }
 }

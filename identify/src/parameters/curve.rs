@@ -68,7 +68,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn a_missing_share_of_the_coefficient_is_none_where_the_piston_stands_and_any_other_value_of_a_curve_is_free() {
+    fn a_missing_share_of_the_coefficient_is_zero_at_rest_and_all_other_values_of_a_curve_are_free() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let sizes = Sizes::of(&data, &first_chamber(&data));
         let deviations = |term, variable| {

@@ -1,8 +1,8 @@
 //! A model on a rig: its free parameters, and the setting with which each record is simulated.
 
-use super::axis::{Axis, Own, Slot};
+use super::axis::{Axis, RecordSlot, Slot};
 use super::curve::{self, axis_of_value, curve_of};
-use super::model::{Model, OwnStart, delays_position, delays_pressure};
+use super::model::{Model, RecordStart, delays_position, delays_pressure};
 use super::sizes::{Sizes, is_decay};
 use super::stated::{REST_DEVIATION_K, WALL_DEVIATION_K, stated};
 use crate::characteristic::Characteristic;
@@ -32,7 +32,7 @@ pub struct Hypothesis {
     /// effects' cards state.
     pub stated: Vec<Axis>,
     /// Per-record parameters of effects.
-    pub own: Vec<Axis<Own>>,
+    pub record_effects: Vec<Axis<RecordSlot>>,
     /// Values of what is not free, and starting values of what is.
     pub base: Chamber,
     /// Lowest and highest position of all records, m.
@@ -49,9 +49,9 @@ impl Hypothesis {
     pub fn freedom(&self, records: impl Iterator<Item = usize>) -> usize {
         let of_record = |k: usize| {
             // A record that begins in motion has that of the gas in every model.
-            let of_start = self.model.own_start as usize
-                - usize::from(self.model.own_start > OwnStart::Nothing && !self.at_rest[k]);
-            self.own.len() + of_start
+            let of_start = self.model.record_start as usize
+                - usize::from(self.model.record_start > RecordStart::Nothing && !self.at_rest[k]);
+            self.record_effects.len() + of_start
         };
         self.axes.len() + records.map(of_record).sum::<usize>()
     }
@@ -67,7 +67,7 @@ impl Hypothesis {
             // Some volume must remain at the smallest position.
             axes.push(axis(Slot::DeadVolume, false, scale, [(-swept + 1e-3 * scale) / scale, 1e4]));
         }
-        let mut own = Vec::new();
+        let mut record_effects = Vec::new();
         let is_delayed = model.of_rig().iter().any(delays_pressure);
         for e in model.effects.iter() {
             let in_use = (CARDS[e].length)(base.effects.of(e));
@@ -101,12 +101,12 @@ impl Hypothesis {
                     let earliest_s = if model.secondary.has(e) { -EARLIEST_ROWS * data.shortest_row_s() } else { 0.0 };
                     bounds[0] = bounds[0].max(earliest_s / scale);
                 }
-                if model.own.has(e) {
+                if model.per_record.has(e) {
                     // Either of two clocks may be late: a record's pressure or its position.
                     if delays_pressure(e) {
                         bounds[0] = -bounds[1];
                     }
-                    own.push(Axis { slot: Own::Effect(e, p), logarithmic, scale, bounds, prior });
+                    record_effects.push(Axis { slot: RecordSlot::Effect(e, p), logarithmic, scale, bounds, prior });
                 } else {
                     axes.push(Axis { prior, ..axis(Slot::Effect(e, p), logarithmic, scale, bounds) });
                 }
@@ -117,7 +117,7 @@ impl Hypothesis {
         // For a single record the rig's tolerance covers this.
         let scatters = if data.traces.len() > 1 { policy::BETWEEN_RECORDS } else { 0.0 };
         let ambient_scatter_k = scatters * data.tolerance.ambient_temperature_k;
-        Self { model, axes, stated, own, base: *base, positions_m, at_rest, ambient_scatter_k }
+        Self { model, axes, stated, record_effects, base: *base, positions_m, at_rest, ambient_scatter_k }
     }
 
     /// The chamber at these coordinates of the rig, with the stated parameters as stated.
@@ -138,9 +138,9 @@ impl Hypothesis {
         times: impl Fn(usize) -> f64,
     ) {
         for (k, axis) in self.stated.iter().enumerate() {
-            let (place, times) = (self.axes.len() + k, times(k));
-            matrix[(place, place)] += times;
-            right[place] += times * axis.mean();
+            let (index, times) = (self.axes.len() + k, times(k));
+            matrix[(index, index)] += times;
+            right[index] += times * axis.mean();
         }
     }
 
@@ -175,65 +175,70 @@ impl Hypothesis {
     }
 
     /// The free parameters of one record: its initial state first.
-    pub fn own_of(&self, trace: &Prepared) -> Vec<Axis<Own>> {
+    pub fn record_axes(&self, trace: &Prepared) -> Vec<Axis<RecordSlot>> {
         let initial = |slot, scale| Axis { slot, logarithmic: false, scale, bounds: [0.2, 5.0], prior: None };
-        let mut out = vec![initial(Own::Pressure, trace.initial_pressure_pa)];
-        if !trace.starts_at_rest || self.model.own_start >= OwnStart::Gas {
-            let mut axis = initial(Own::Temperature, trace.initial_temperature_k);
+        let mut out = vec![initial(RecordSlot::Pressure, trace.initial_pressure_pa)];
+        if !trace.starts_at_rest || self.model.record_start >= RecordStart::Gas {
+            let mut axis = initial(RecordSlot::Temperature, trace.initial_temperature_k);
             // Gas at rest has nearly the temperature of its surroundings.
             axis.prior = trace.starts_at_rest.then_some([1.0, REST_DEVIATION_K / trace.initial_temperature_k]);
             out.push(axis);
         }
-        if self.model.own_start >= OwnStart::GasAndWall {
+        if self.model.record_start >= RecordStart::GasAndWall {
             let sd = WALL_DEVIATION_K / trace.initial_temperature_k;
             let bounds = [-1.0, 1.0].map(|side| 1.0 + side * policy::DEVIATIONS_BEFOREHAND * sd);
-            let wall = initial(Own::WallTemperature, trace.initial_temperature_k);
+            let wall = initial(RecordSlot::WallTemperature, trace.initial_temperature_k);
             out.push(Axis { bounds, prior: Some([1.0, sd]), ..wall });
         }
         if self.ambient_scatter_k > 0.0 && !trace.shows_ambient {
             let sd = self.ambient_scatter_k / trace.initial_temperature_k;
-            out.push(Axis { prior: Some([1.0, sd]), ..initial(Own::AmbientTemperature, trace.initial_temperature_k) });
+            out.push(Axis {
+                prior: Some([1.0, sd]),
+                ..initial(RecordSlot::AmbientTemperature, trace.initial_temperature_k)
+            });
         }
         let gaps = 0..gaps::of(&trace.course.motion).count();
         out.extend(
-            gaps.map(|gap| Axis { prior: Some([1.0, policy::BEHIND_GAP]), ..initial(Own::BehindGap(gap), 1.0) }),
+            gaps.map(|gap| Axis { prior: Some([1.0, policy::BEHIND_GAP]), ..initial(RecordSlot::BehindGap(gap), 1.0) }),
         );
-        out.extend(self.own.iter().copied());
+        out.extend(self.record_effects.iter().copied());
         out
     }
 
     /// Starting values of a record's parameters: its first guesses, and the effects' values in `base`.
-    pub fn first_own(&self, trace: &Prepared) -> Vec<f64> {
-        let begin = |axis: &Axis<Own>| match axis.slot {
-            Own::Pressure | Own::Temperature | Own::WallTemperature | Own::AmbientTemperature | Own::BehindGap(_) => {
-                1.0
-            }
-            Own::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
+    pub fn record_guess(&self, trace: &Prepared) -> Vec<f64> {
+        let begin = |axis: &Axis<RecordSlot>| match axis.slot {
+            RecordSlot::Pressure
+            | RecordSlot::Temperature
+            | RecordSlot::WallTemperature
+            | RecordSlot::AmbientTemperature
+            | RecordSlot::BehindGap(_) => 1.0,
+            RecordSlot::Effect(e, p) => axis.coordinate(self.base.effects.of(e)[p]),
         };
-        self.own_of(trace).iter().map(begin).collect()
+        self.record_axes(trace).iter().map(begin).collect()
     }
 
     /// The same for every record.
-    pub fn first_owns(&self, data: &Data) -> Vec<Vec<f64>> {
-        data.traces.iter().map(|t| self.first_own(t)).collect()
+    pub fn record_guesses(&self, data: &Data) -> Vec<Vec<f64>> {
+        data.traces.iter().map(|t| self.record_guess(t)).collect()
     }
 
-    /// A per-record parameter, record by record: its axis and its coordinate in the records' `own`.
+    /// A per-record parameter, record by record: its axis and its coordinate among `records`, the coordinates of each record.
     pub fn of_each<'a>(
         &'a self,
         data: &'a Data,
-        own: &'a [Vec<f64>],
-        slot: Own,
-    ) -> impl Iterator<Item = Option<(Axis<Own>, f64)>> + 'a {
-        data.traces.iter().zip(own).map(move |(t, own)| {
-            let axes = self.own_of(t);
-            let place = axes.iter().position(|axis| axis.slot == slot)?;
-            Some((axes[place], own[place]))
+        records: &'a [Vec<f64>],
+        slot: RecordSlot,
+    ) -> impl Iterator<Item = Option<(Axis<RecordSlot>, f64)>> + 'a {
+        data.traces.iter().zip(records).map(move |(t, record)| {
+            let axes = self.record_axes(t);
+            let index = axes.iter().position(|axis| axis.slot == slot)?;
+            Some((axes[index], record[index]))
         })
     }
 
     /// Chamber, start and corrections of one record; `stated` in units of the tolerances.
-    pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], own: &[R]) -> Setting<R> {
+    pub fn setting<R: Real>(&self, trace: &Prepared, x: &[R], stated: &[R], record: &[R]) -> Setting<R> {
         let mut chamber = self.chamber(x);
         let (mut correction, mut at_rest) = (Correction::NONE, R::ZERO);
         for (axis, x) in self.stated.iter().zip(stated) {
@@ -261,20 +266,20 @@ impl Hypothesis {
                 _ => {}
             }
         }
-        let own_of = self.own_of(trace);
-        if let Some(place) = own_of.iter().position(|axis| axis.slot == Own::AmbientTemperature) {
-            correction.warmer += own_of[place].value(own[place]) - trace.initial_temperature_k;
+        let record_axes = self.record_axes(trace);
+        if let Some(index) = record_axes.iter().position(|axis| axis.slot == RecordSlot::AmbientTemperature) {
+            correction.warmer += record_axes[index].value(record[index]) - trace.initial_temperature_k;
         }
         let ambient = correction.warmer + trace.initial_temperature_k;
         let mut start = Start::at_rest(&chamber, R::from(trace.initial_pressure_pa), ambient);
-        for (axis, x) in own_of.iter().zip(own) {
+        for (axis, x) in record_axes.iter().zip(record) {
             match axis.slot {
-                Own::AmbientTemperature => {}
-                Own::Pressure => start.pressure = axis.value(*x),
-                Own::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
-                Own::WallTemperature => correction.wall_warmer = axis.value(*x) - trace.initial_temperature_k,
-                Own::BehindGap(gap) => correction.behind_gaps[gap] = axis.value(*x),
-                Own::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
+                RecordSlot::AmbientTemperature => {}
+                RecordSlot::Pressure => start.pressure = axis.value(*x),
+                RecordSlot::Temperature => start.temperature = axis.value(*x) + correction.warmer + at_rest,
+                RecordSlot::WallTemperature => correction.wall_warmer = axis.value(*x) - trace.initial_temperature_k,
+                RecordSlot::BehindGap(gap) => correction.behind_gaps[gap] = axis.value(*x),
+                RecordSlot::Effect(e, p) => chamber.effects.0[PARAMETER_OFFSETS[e] + p] = axis.value(*x),
             }
         }
         Setting { chamber, start, correction }
@@ -356,7 +361,7 @@ mod tests {
     use chamber::effects::{DeadVolumeSurface, EffectSet, GasZones, PositionDelay, find};
 
     #[test]
-    fn a_convention_is_free_in_no_fit_and_a_secondary_number_where_it_is_asked_for() {
+    fn a_convention_is_never_free_and_a_secondary_parameter_only_on_request() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let chamber = first_chamber(&data);
         let free_of = |name: &str| {
@@ -371,20 +376,20 @@ mod tests {
     }
 
     #[test]
-    fn records_that_do_not_show_their_surroundings_have_a_temperature_of_them_each_and_a_single_one_has_not() {
-        let own_of = |recipe: &Recipe, shows_ambient: bool| {
+    fn records_without_a_measured_ambient_temperature_have_one_each_unless_there_is_only_one_record() {
+        let record_axes = |recipe: &Recipe, shows_ambient: bool| {
             let mut data = Data::prepare(&recipe.rig()).unwrap();
             data.traces[0].shows_ambient = shows_ambient;
             let chamber = first_chamber(&data);
             let h = Hypothesis::new(&data, Model::PAPER, &chamber, &Sizes::of(&data, &chamber));
-            let own = h.own_of(&data.traces[0]);
-            (own.into_iter().find(|axis| axis.slot == Own::AmbientTemperature), data, h)
+            let axes = h.record_axes(&data.traces[0]);
+            (axes.into_iter().find(|axis| axis.slot == RecordSlot::AmbientTemperature), data, h)
         };
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let mut single = recipe.clone();
         single.tests.truncate(1);
-        assert!(own_of(&single, false).0.is_none() && own_of(&recipe, true).0.is_none());
-        let (axis, data, h) = own_of(&recipe, false);
+        assert!(record_axes(&single, false).0.is_none() && record_axes(&recipe, true).0.is_none());
+        let (axis, data, h) = record_axes(&recipe, false);
         let (axis, t) = (axis.unwrap(), &data.traces[0]);
         let scatter_k = axis.prior.unwrap()[1] * axis.scale;
         assert!((scatter_k - 0.2 * data.tolerance.ambient_temperature_k).abs() < 1e-9);
@@ -424,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn an_additional_area_is_none_beside_which_that_of_the_bore_is_nothing() {
+    fn an_additional_area_is_bounded_so_that_the_area_of_the_bore_still_counts() {
         let (area, sizes) = last_axis(DeadVolumeSurface::INDEX);
         let most_m2 = area.value(area.bounds[1]);
         assert!((most_m2 / (30.0 * sizes.volume.powf(2.0 / 3.0)) - 1.0).abs() < 1e-9, "{most_m2}");

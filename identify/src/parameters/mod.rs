@@ -16,8 +16,8 @@ mod model;
 mod sizes;
 mod stated;
 
-pub use axis::{Axis, Own, Slot};
+pub use axis::{Axis, RecordSlot, Slot};
 pub use curve::curve_of;
 pub use hypothesis::{Hypothesis, Setting, first_chamber};
-pub use model::{Model, OwnStart, delays_position, delays_pressure, is_timing, names};
+pub use model::{Model, RecordStart, delays_position, delays_pressure, is_timing, names};
 pub use sizes::{Sizes, is_decay};

@@ -5,7 +5,7 @@ use chamber::effects::{self, CARDS, EffectSet, EffectValues, WallHeating};
 
 /// Per-record initial temperatures, also where a record begins at rest: each step is a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum OwnStart {
+pub enum RecordStart {
     /// Gas and wall begin at the temperature of their surroundings.
     Nothing,
     /// The gas does not: it was filled or moved shortly before.
@@ -14,7 +14,7 @@ pub enum OwnStart {
     GasAndWall,
 }
 
-impl OwnStart {
+impl RecordStart {
     /// In increasing order.
     pub const ALL: [Self; 3] = [Self::Nothing, Self::Gas, Self::GasAndWall];
 
@@ -34,20 +34,20 @@ pub struct Model {
     /// Effects beyond the paper's model.
     pub effects: EffectSet,
     /// Those of them with per-record parameters.
-    pub own: EffectSet,
+    pub per_record: EffectSet,
     /// Effects whose secondary parameters are free too.
     pub secondary: EffectSet,
     /// Per-record initial temperatures.
-    pub own_start: OwnStart,
+    pub record_start: RecordStart,
 }
 
 impl Model {
     /// The paper's model.
     pub const PAPER: Model = Model {
         effects: EffectSet::NONE,
-        own: EffectSet::NONE,
+        per_record: EffectSet::NONE,
         secondary: EffectSet::NONE,
-        own_start: OwnStart::Nothing,
+        record_start: RecordStart::Nothing,
     };
 
     /// The paper's model with these effects of the rig.
@@ -58,14 +58,19 @@ impl Model {
     /// Removes these effects and their free parameters.
     pub fn without(&self, effects: EffectSet) -> Self {
         let without = |set: EffectSet| set.without(effects);
-        let [own, secondary] = [self.own, self.secondary].map(without);
+        let [per_record, secondary] = [self.per_record, self.secondary].map(without);
         let effects = without(self.effects);
-        Self { effects, own, secondary, own_start: self.own_start.min(Self::with(effects).most_of_start()) }
+        Self {
+            effects,
+            per_record,
+            secondary,
+            record_start: self.record_start.min(Self::with(effects).most_of_start()),
+        }
     }
 
     /// The most initial temperatures that its records can have free.
-    pub fn most_of_start(&self) -> OwnStart {
-        if self.effects.has(WallHeating::INDEX) { OwnStart::GasAndWall } else { OwnStart::Gas }
+    pub fn most_of_start(&self) -> RecordStart {
+        if self.effects.has(WallHeating::INDEX) { RecordStart::GasAndWall } else { RecordStart::Gas }
     }
 
     /// The same terms without free secondary parameters.
@@ -80,12 +85,12 @@ impl Model {
 
     /// Effects of the rig: those that a diagnosis names.
     pub fn of_rig(&self) -> EffectSet {
-        self.effects.without(self.own)
+        self.effects.without(self.per_record)
     }
 
     /// Whether it has per-record terms beyond the initial pressure: with many records they can fit a lot.
     pub fn has_terms_of_records(&self) -> bool {
-        self.own_start > OwnStart::Nothing || !self.own.is_empty()
+        self.record_start > RecordStart::Nothing || !self.per_record.is_empty()
     }
 
     /// Number of effects that shift or smear the records in time, including the noise of the stroke.
@@ -96,15 +101,15 @@ impl Model {
     /// Its terms, joined by " + ".
     pub fn words(&self) -> String {
         let of_rig = names(self.of_rig()).into_iter().map(str::to_owned);
-        let starts = OwnStart::ALL.into_iter().filter(|start| *start <= self.own_start);
-        let of_records = names(self.own).into_iter().chain(starts.filter_map(OwnStart::term));
+        let starts = RecordStart::ALL.into_iter().filter(|start| *start <= self.record_start);
+        let of_records = names(self.per_record).into_iter().chain(starts.filter_map(RecordStart::term));
         let of_records = of_records.map(|name| format!("{name} (each record its own)"));
         of_rig.chain(of_records).collect::<Vec<_>>().join(" + ")
     }
 
     /// Number of terms beyond the paper's model.
     pub fn terms(&self) -> usize {
-        self.effects.iter().count() + self.own_start as usize
+        self.effects.iter().count() + self.record_start as usize
     }
 }
 

@@ -1,7 +1,7 @@
 //! Parameters that stay as stated: by the rig within tolerances, and by the effects' cards for secondary parameters.
 
 use super::axis::{Axis, Slot};
-use super::model::{Model, OwnStart};
+use super::model::{Model, RecordStart};
 use crate::characteristic::WAVES;
 use crate::record::data::Data;
 use chamber::card::Fitted;
@@ -26,7 +26,7 @@ pub fn stated(data: &Data, model: &Model, positions_m: [f64; 2]) -> Vec<Axis> {
 /// records alike, and a wall of another temperature would imitate it.
 fn by_rig(data: &Data, model: &Model, [low_m, high_m]: [f64; 2]) -> Vec<Axis> {
     let t = &data.tolerance;
-    let rest = if model.own_start > OwnStart::Nothing { REST_DEVIATION_K } else { 0.0 };
+    let rest = if model.record_start > RecordStart::Nothing { REST_DEVIATION_K } else { 0.0 };
     let zero = if data.dead_volume_known { t.position_offset_m } else { 0.0 };
     let wave = |k| (Slot::PositionLinearity(k), t.position_linearity * (high_m - low_m));
     let numbers = [

@@ -23,15 +23,15 @@ const PARTS: usize = 8;
 /// A gap is forgotten after this many time constants.
 const REMEMBERED: f64 = 8.0;
 
-/// How a model's reading depends on the recorded stroke.
+/// Timing of a model's reading relative to the recorded stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct SensorTiming {
     /// Window over which the stroke is assumed to have been averaged, s.
     pub window_s: f64,
     /// Time constant of the low-pass that the pressure has passed, s.
     pub lag_s: f64,
-    /// How much earlier than the reading the stroke that it shows is, s.
-    pub late_s: f64,
+    /// Delay of the reading behind the stroke that it shows, s.
+    pub delay_s: f64,
     /// Time constant of the low-pass that the recorded stroke has passed, s.
     pub filter_s: f64,
 }
@@ -61,30 +61,31 @@ impl Gap {
     }
 }
 
-/// The gaps of a record's moves, and how the readings depend on them.
+/// The gaps of a record's moves, and the timing of its readings.
 pub struct BetweenRows {
     gaps: Vec<Gap>,
-    look: Look,
+    timing: SensorTiming,
     /// Square root of the number of rows that share an error and count as one reading.
     shared: f64,
 }
 
 impl BetweenRows {
-    /// For a record whose readings depend on the stroke like this.
-    pub fn new(motion: &Motion, look: Look) -> Self {
+    /// For a record whose readings have this timing.
+    pub fn new(motion: &Motion, timing: SensorTiming) -> Self {
         let is_read_seldom = motion.rows_per_reading > 1;
-        let looks_between = look.lag_s > 0.0 || look.late_s != 0.0 || look.filter_s > 0.0 || is_read_seldom;
-        let moves = motion.segments.iter().filter(|s| looks_between && s.phase == Phase::Move);
+        let depends_between_rows =
+            timing.lag_s > 0.0 || timing.delay_s != 0.0 || timing.filter_s > 0.0 || is_read_seldom;
+        let moves = motion.segments.iter().filter(|s| depends_between_rows && s.phase == Phase::Move);
         // A straight line has exact corners; in a longer move the travel between two rows is a small part.
-        let is_open = |s: &&Segment| !s.stroke.is_line() && (look.filter_s > 0.0 || s.stroke.knots_inside() <= FEW);
+        let is_open = |s: &&Segment| !s.stroke.is_line() && (timing.filter_s > 0.0 || s.stroke.knots_inside() <= FEW);
         let gaps = moves.filter(is_open).flat_map(|s| gaps(s, motion)).collect();
-        Self { gaps, look, shared: (1.0 + look.lag_s / motion.row_s()).sqrt() }
+        Self { gaps, timing, shared: (1.0 + timing.lag_s / motion.row_s()).sqrt() }
     }
 
     /// Error of the stroke that a reading at a time shows, m.
     pub fn error_m(&self, time: f64) -> f64 {
-        let Look { lag_s, late_s, filter_s, .. } = self.look;
-        let shown = time - late_s;
+        let SensorTiming { lag_s, delay_s, filter_s, .. } = self.timing;
+        let shown = time - delay_s;
         if lag_s == 0.0 {
             let here = self.gaps.iter().find(|gap| (gap.from_s..=gap.to_s).contains(&shown));
             return here.map_or(0.0, |gap| gap.error_at(shown, filter_s));
@@ -171,18 +172,18 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_stroke_between_rows_is_of_the_size_that_is_stated() {
+    fn the_error_of_a_stroke_between_rows_is_of_the_stated_size() {
         for (k, stroke) in strokes().into_iter().enumerate() {
             let (mut off, mut stated) = (0.0, 0.0);
             for begin in (0..20).map(|i| 0.3 + ROW * f64::from(i) / 20.0) {
                 let motion = recorded(stroke, begin);
-                let late = Look { late_s: 0.5 * ROW, ..Look::default() };
+                let late = SensorTiming { delay_s: 0.5 * ROW, ..SensorTiming::default() };
                 let between = BetweenRows::new(&motion, late);
                 let near = Cell::new(0);
                 for i in 25..60 {
                     let t = f64::from(i) * ROW;
-                    let curve = &motion.segments[motion.segment_at(t - late.late_s)].stroke;
-                    off += (curve.at(t - late.late_s, &near).0 - stroke(t - late.late_s - begin)).powi(2);
+                    let curve = &motion.segments[motion.segment_at(t - late.delay_s)].stroke;
+                    off += (curve.at(t - late.delay_s, &near).0 - stroke(t - late.delay_s - begin)).powi(2);
                     stated += between.error_m(t).powi(2);
                 }
             }
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_low_pass_taken_back_is_of_the_size_that_is_stated() {
+    fn the_error_of_an_inverted_low_pass_is_of_the_stated_size() {
         const FILTER_S: f64 = 0.05;
         const NOISE_M: f64 = 2e-6;
         // A piston that starts at 0.5 m/s and stops after 0.15 m, through a low-pass.
@@ -207,16 +208,16 @@ mod tests {
                 let (time, position): (Vec<f64>, Vec<f64>) =
                     rows.map(|t| (t, shown(t) + NOISE_M * random.normal())).unzip();
                 let motion = Motion::detect(&time, &position);
-                let between = BetweenRows::new(&motion, Look { filter_s: FILTER_S, ..Look::default() });
+                let between = BetweenRows::new(&motion, SensorTiming { filter_s: FILTER_S, ..SensorTiming::default() });
                 let near = Cell::new(0);
                 let push = motion.segments.iter().find(|s| s.phase == Phase::Move).unwrap();
                 // Rows between two knots share their error; each of them counts as if it were alone.
                 let sharing = [1.0, (push.end - push.first) as f64 / push.stroke.knots().0.len() as f64];
                 for t in time.iter().filter(|t| **t > begin - 0.1 && **t < begin + 0.6) {
-                    let (place, speed) = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near);
+                    let (position, speed) = motion.segments[motion.segment_at(*t)].stroke.at(*t, &near);
                     // Near a corner, and elsewhere, where only noise is left.
                     let part = usize::from((t - begin).abs() > 0.03 && (t - begin - 0.3).abs() > 0.03);
-                    off[part] += sharing[part] * (place + FILTER_S * speed - ramp(t - begin)).powi(2);
+                    off[part] += sharing[part] * (position + FILTER_S * speed - ramp(t - begin)).powi(2);
                     stated[part] += between.error_m(*t).powi(2);
                 }
             }
@@ -228,43 +229,46 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_shows_its_own_row_leaves_nothing_open() {
+    fn a_reading_of_its_own_row_has_no_error_between_rows() {
         let motion = recorded(strokes()[0], 0.303);
-        let open = |look: Look| {
-            (0..100).map(|i| BetweenRows::new(&motion, look).error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
+        let largest_error_m = |timing: SensorTiming| {
+            (0..100).map(|i| BetweenRows::new(&motion, timing).error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
         };
-        assert_eq!(open(Look::default()), 0.0);
-        assert!(open(Look { lag_s: 0.002, ..Look::default() }) > 0.0);
+        assert_eq!(largest_error_m(SensorTiming::default()), 0.0);
+        assert!(largest_error_m(SensorTiming { lag_s: 0.002, ..SensorTiming::default() }) > 0.0);
         // A long lag remembers the move for a while.
-        let behind = |lag_s: f64| BetweenRows::new(&motion, Look { lag_s, ..Look::default() }).error_m(0.42);
+        let behind =
+            |lag_s: f64| BetweenRows::new(&motion, SensorTiming { lag_s, ..SensorTiming::default() }).error_m(0.42);
         assert!(behind(0.02) > 10.0 * behind(0.002), "{} {}", behind(0.02), behind(0.002));
-        assert!(open(Look { late_s: -0.5 * ROW, ..Look::default() }) > 0.0);
+        assert!(largest_error_m(SensorTiming { delay_s: -0.5 * ROW, ..SensorTiming::default() }) > 0.0);
     }
 
     #[test]
-    fn only_moves_of_few_rows_leave_a_stroke_between_them_open() {
+    fn only_moves_of_few_rows_have_an_error_between_rows() {
         // Constant acceleration and deceleration over this many rows.
-        let open = |rows: f64| {
+        let largest_error_m = |rows: f64| {
             let stroke = |t: f64| {
                 let u = (t / (rows * ROW)).clamp(0.0, 1.0);
                 if u < 0.5 { 0.1 - 0.1 * u * u } else { 0.05 + 0.1 * (1.0 - u) * (1.0 - u) }
             };
             let (time, position): (Vec<f64>, Vec<f64>) =
                 (0..400).map(|i| f64::from(i) * ROW).map(|t| (t, stroke(t - 0.303))).unzip();
-            let between =
-                BetweenRows::new(&Motion::detect(&time, &position), Look { late_s: 0.005, ..Look::default() });
+            let between = BetweenRows::new(
+                &Motion::detect(&time, &position),
+                SensorTiming { delay_s: 0.005, ..SensorTiming::default() },
+            );
             (20..380).map(|i| between.error_m(f64::from(i) * ROW)).fold(0.0, f64::max)
         };
-        assert!(open(6.0) > 1e-4, "{}", open(6.0));
-        assert_eq!(open(40.0), 0.0);
+        assert!(largest_error_m(6.0) > 1e-4, "{}", largest_error_m(6.0));
+        assert_eq!(largest_error_m(40.0), 0.0);
         // Nor where no row is farther from the next than a hundredth of the travel.
-        assert_eq!(open(290.0), 0.0);
+        assert_eq!(largest_error_m(290.0), 0.0);
     }
 
     #[test]
-    fn a_ramp_between_its_corners_leaves_nothing_open() {
+    fn a_ramp_between_its_corners_has_no_error_between_rows() {
         let motion = recorded(|t| 0.1 - 0.05 * (t / 0.07).clamp(0.0, 1.0), 0.303);
-        let look = Look { lag_s: 0.02, late_s: 0.004, ..Look::default() };
-        assert_eq!(BetweenRows::new(&motion, look).error_m(0.35), 0.0);
+        let timing = SensorTiming { lag_s: 0.02, delay_s: 0.004, ..SensorTiming::default() };
+        assert_eq!(BetweenRows::new(&motion, timing).error_m(0.35), 0.0);
     }
 }

@@ -3,7 +3,7 @@
 //! A block is a run of rows that is short compared with the relaxation it lies in (a tenth of the time since the last move), so
 //! that its mean is that of two Gauss points of the model. It represents its rows at a fraction of their cost.
 
-use crate::record::between_rows::{BetweenRows, Look};
+use crate::record::between_rows::{BetweenRows, SensorTiming};
 use crate::record::readout::Readout;
 use crate::record::stroke::{Motion, Phase};
 use crate::record::turning_points::turning_points;
@@ -32,18 +32,18 @@ pub struct Block {
     pub dwell_s: f64,
     /// Standard deviation at each of `points_s` due to the position noise while the piston moves, to what a moving average of the
     /// positions hides, and to the uncertain times of the rows, Pa.
-    pub by_position_pa: f64,
+    pub position_sd_pa: f64,
     /// The part of it due to position noise, to the times of the rows and to the stroke between them, Pa: what a shift or a
     /// low-pass smooths.
-    pub by_rows_pa: f64,
+    pub smoothable_sd_pa: f64,
     /// Standard deviation of the mean due to the rounding of a held piston's position, Pa: part of what its blocks have in
     /// common.
-    pub by_rounding_pa: f64,
+    pub position_rounding_sd_pa: f64,
     /// Long-run sensitivity of the pressure to a position error, Pa/m.
     pub per_metre: f64,
     /// Standard deviations that the blocks of a held piston have in common, Pa: due to the mean of its measured position, to the
-    /// slope of that position, to the time at which the move before really ended (`held.rs`), and the relaxing one: due to the
-    /// position before that move and to the heat of forced convection in it (`stirred.rs`).
+    /// slope of that position, to the time at which the move before really ended (`common_errors.rs`), and the relaxing one: due
+    /// to the position before that move and to the heat of forced convection in it (`convection_errors.rs`).
     pub common_sd_pa: [f64; IN_COMMON],
     /// What the piston does.
     pub phase: Phase,
@@ -59,24 +59,24 @@ impl Block {
 
     /// Variance of the mean due to the uncertain positions, Pa². The model of the mean is that of two points, so it has the noise
     /// of two positions however many rows there are.
-    pub fn variance_by_position(&self) -> f64 {
-        self.by_position_pa.powi(2) / positions(self.rows)
+    pub fn position_variance(&self) -> f64 {
+        self.position_sd_pa.powi(2) / positions(self.rows)
     }
 
     /// The part of it that a shift or a low-pass smooths, Pa².
-    pub fn variance_by_rows(&self) -> f64 {
-        self.by_rows_pa.powi(2) / positions(self.rows)
+    pub fn smoothable_variance(&self) -> f64 {
+        self.smoothable_sd_pa.powi(2) / positions(self.rows)
     }
 }
 
-/// Standard deviation, Pa, of the mean of rows whose times have the standard deviations `open_s`: the pressure's rate times the
-/// latter, once for the row itself and once for its position, which a delay takes from another row.
-fn by_clock(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], open_s: &[f64]) -> f64 {
+/// Standard deviation, Pa, of the mean of rows whose times have the standard deviations `time_sd_s`: the pressure's rate times
+/// the latter, once for the row itself and once for its position, which a delay takes from another row.
+fn clock_sd_pa(time_s: &[f64], pressure_pa: &[f64], rows: &[usize], time_sd_s: &[f64]) -> f64 {
     const BESIDE: usize = 2;
     let off = |&row: &usize| {
-        let open_s = open_s.get(row)?;
+        let time_sd_s = time_sd_s.get(row)?;
         let (from, to) = (row.saturating_sub(BESIDE), (row + BESIDE).min(time_s.len() - 1));
-        Some(open_s * (pressure_pa[to] - pressure_pa[from]) / (time_s[to] - time_s[from]))
+        Some(time_sd_s * (pressure_pa[to] - pressure_pa[from]) / (time_s[to] - time_s[from]))
     };
     rows.iter().filter_map(off).map(|off| 2.0 * off * off).sum::<f64>().sqrt() / rows.len() as f64
 }
@@ -94,7 +94,7 @@ pub fn blocks(
     readout: &Readout,
     position_m: &[f64],
     gamma: f64,
-    look: Look,
+    timing: SensorTiming,
 ) -> Vec<Block> {
     const HOLD_PARTS: usize = 20;
     const REST_PARTS: usize = 6;
@@ -102,13 +102,13 @@ pub fn blocks(
     // A move begins or ends somewhere in these rows: the mean over a corner is not that of two points.
     const CORNER_ROWS: usize = 20;
     // In a move of many cycles, each stroke between turning points is divided separately; the piston may turn at a corner.
-    const WAY_PARTS: usize = 20;
+    const STROKE_PARTS: usize = 20;
     const TURN_ROWS: usize = 3;
     let mut out = Vec::new();
     let (low, high) = extremes(position_m);
     let half_row_s = 0.5 * time_s[time_s.len() - 1] / (time_s.len() - 1) as f64 * readout.readings.period();
-    let unresolved = Unresolved::new(motion, look.window_s);
-    let between_rows = BetweenRows::new(motion, look);
+    let unresolved = Unresolved::new(motion, timing.window_s);
+    let between_rows = BetweenRows::new(motion, timing);
     // Rows around one position reading share its error and count as one.
     let of_one_reading = (motion.rows_per_reading as f64).sqrt();
     for (segment, s) in motion.segments.iter().enumerate() {
@@ -120,18 +120,18 @@ pub fn blocks(
             }
             Phase::Rest | Phase::Hold => Vec::new(),
         };
-        let ends_of_ways: Vec<usize> = [0].into_iter().chain(turns).chain([rows]).collect();
+        let stroke_ends: Vec<usize> = [0].into_iter().chain(turns).chain([rows]).collect();
         let mut first = 0;
         while first < rows {
-            let behind = ends_of_ways.partition_point(|end| *end <= first);
-            let [turn, next] = [ends_of_ways[behind - 1], ends_of_ways[behind]];
+            let behind = stroke_ends.partition_point(|end| *end <= first);
+            let [turn, next] = [stroke_ends[behind - 1], stroke_ends[behind]];
             let is_turning = first < turn + TURN_ROWS || first + TURN_ROWS >= next;
             let wanted = match s.phase {
                 Phase::Rest => rows.div_ceil(REST_PARTS),
                 Phase::Move if first < CORNER_ROWS || first + CORNER_ROWS >= rows => 1,
                 Phase::Move if is_turning => 1,
                 Phase::Move => (rows / MOVE_PARTS)
-                    .min((next - turn) / WAY_PARTS)
+                    .min((next - turn) / STROKE_PARTS)
                     .min(next - TURN_ROWS - first)
                     .min(rows - CORNER_ROWS - first),
                 Phase::Hold => (first / 10).min(rows.div_ceil(HOLD_PARTS)),
@@ -150,14 +150,14 @@ pub fn blocks(
             let per_metre = p / (mean(position_m).abs() + 0.1 * (high - low)).max(motion.noise_m);
             let moves = s.phase == Phase::Move;
             // What an averaged position hides is the same over a window, whose rows count as one reading.
-            let in_window = (look.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
+            let in_window = (timing.window_s / (2.0 * half_row_s * n)).max(1.0).sqrt();
             let between_m = between_rows.error_m(t);
             let hidden_m = (unresolved.error_m(t) * in_window).hypot(between_m);
             // In a stroke with few knots, the noise is that of a mean of many rows, the same for all rows between two knots.
             let in_stroke = positions(own.len()) / n.min(s.rows_in_stroke()).max(positions(own.len()));
             let noise_sd_m = if moves { motion.noise_m * in_stroke.sqrt() } else { 0.0 };
             let by_metre_pa = gamma * per_metre * of_one_reading;
-            let by_clock_pa = by_clock(time_s, pressure_pa, own, &readout.open_s) * positions(own.len()).sqrt();
+            let clock_pa = clock_sd_pa(time_s, pressure_pa, own, &readout.time_sd_s) * positions(own.len()).sqrt();
             let widen = if own.len() > 1 { half_row_s } else { 0.0 };
             let values: Vec<f64> = own.iter().map(|&i| pressure_pa[i]).collect();
             let range_pa: [f64; 2] = extremes(&values).into();
@@ -170,9 +170,9 @@ pub fn blocks(
                 mean_pa: p,
                 range_pa,
                 dwell_s: dwell(time_s, pressure_pa, own, range_pa),
-                by_position_pa: (by_metre_pa * hidden_m.hypot(noise_sd_m)).hypot(by_clock_pa),
-                by_rows_pa: (by_metre_pa * between_m.hypot(noise_sd_m)).hypot(if moves { by_clock_pa } else { 0.0 }),
-                by_rounding_pa: 0.0,
+                position_sd_pa: (by_metre_pa * hidden_m.hypot(noise_sd_m)).hypot(clock_pa),
+                smoothable_sd_pa: (by_metre_pa * between_m.hypot(noise_sd_m)).hypot(if moves { clock_pa } else { 0.0 }),
+                position_rounding_sd_pa: 0.0,
                 per_metre,
                 common_sd_pa: [0.0; IN_COMMON],
                 phase: s.phase,
@@ -200,12 +200,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_row_whose_time_is_open_errs_by_the_pressures_rate_once_for_itself_and_once_for_a_delayed_position() {
+    fn an_uncertain_row_time_counts_twice_for_the_row_and_for_a_delayed_position() {
         let time_s: Vec<f64> = (0..30).map(|i| f64::from(i) * 0.01).collect();
         let pressure_pa: Vec<f64> = time_s.iter().map(|t| 1e5 + 2e6 * t).collect();
-        let by = |rows: &[usize]| by_clock(&time_s, &pressure_pa, rows, &[1e-3; 30]);
+        let by = |rows: &[usize]| clock_sd_pa(&time_s, &pressure_pa, rows, &[1e-3; 30]);
         assert!((by(&[10]) / (2.0f64.sqrt() * 2e3) - 1.0).abs() < 1e-9);
         assert!((by(&[10, 11]) / 2e3 - 1.0).abs() < 1e-9);
-        assert_eq!(by_clock(&time_s, &pressure_pa, &[10], &[]), 0.0);
+        assert_eq!(clock_sd_pa(&time_s, &pressure_pa, &[10], &[]), 0.0);
     }
 }

@@ -50,7 +50,7 @@ pub fn trace(
     }
     let (least, most) = extremes(pressure_pa);
     if most - least < 0.1 * (high - low) / high.abs().max(low.abs()) * least {
-        let units = if low > 0.0 { declared.of_answer((least, most), high / low) } else { Vec::new() };
+        let units = if low > 0.0 { declared.units_by_response((least, most), high / low) } else { Vec::new() };
         return Err(Error::ConstantPressure { trace: path(), range_pa: most - least, stroke_m: high - low, units });
     }
     let ends = saturation::ends(trace, pressure_pa, motion, readout);
@@ -74,7 +74,7 @@ pub fn level(trace: &Path, pressure_pa: &[f64], declared: Declared) -> Result<()
     }
     let median_pa = median(pressure_pa.to_vec());
     if !PLAUSIBLE_PRESSURE_PA.contains(&median_pa) {
-        let units = declared.of_level(median_pa);
+        let units = declared.units_by_level(median_pa);
         return Err(Error::ImplausiblePressure { trace: trace.to_owned(), median_pa, units });
     }
     Ok(())
@@ -106,16 +106,21 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     // position: what the gas exchanged in the move has not settled in it. It may still show how fast gas is lost.
     let lasts = |s: &Segment| s.to_s - s.from_s;
     let before = iter::once(None).chain(motion.segments.iter().map(Some));
-    let place = |s: &Segment| trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64;
+    let position = |s: &Segment| trace.position_m[s.first..s.end].iter().sum::<f64>() / (s.end - s.first) as f64;
     let still: Vec<(Vec<usize>, Option<f64>)> = before
         .zip(&motion.segments)
         .filter(|(_, s)| s.phase != Phase::Move)
         .map(|(before, s)| (s, before.is_none_or(|before| lasts(s) >= lasts(before))))
-        .map(|(s, settles)| ((s.first..s.end).filter(|&row| readout.is_data(row)).collect(), settles.then(|| place(s))))
+        .map(|(s, settles)| {
+            ((s.first..s.end).filter(|&row| readout.is_data(row)).collect(), settles.then(|| position(s)))
+        })
         .filter(|(rows, _): &(Vec<usize>, _)| rows.len() >= FEWEST)
         .collect();
     let are_same = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| is_same(a, b));
-    if !still.iter().enumerate().any(|(i, (_, place))| still[i + 1..].iter().any(|(_, other)| are_same(*place, *other)))
+    if !still
+        .iter()
+        .enumerate()
+        .any(|(i, (_, position))| still[i + 1..].iter().any(|(_, other)| are_same(*position, *other)))
     {
         return Ok(());
     }
@@ -124,28 +129,28 @@ fn closed(trace: &Trace, pressure_pa: &[f64], motion: &Motion, readout: &Readout
     // End time, position, and the line to which the pressure tends.
     let ends: Vec<(f64, Option<f64>, Line)> = still
         .into_iter()
-        .map(|(rows, place)| {
+        .map(|(rows, position)| {
             let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
             let time_s = of(&trace.time_s);
             let mut line = Line::towards(&time_s, &of(pressure_pa));
             let (begin_s, end_s) = extremes(&time_s);
             line.slope_error = line.slope_error.max(step_pa / (end_s - begin_s));
-            (end_s, place, line)
+            (end_s, position, line)
         })
         .collect();
     // Two parts of one hold are not a return.
-    let leaves = |place: Option<f64>, from_s: f64, to_s: f64| {
+    let leaves = |position: Option<f64>, from_s: f64, to_s: f64| {
         let between = trace.time_s.partition_point(|t| *t <= from_s)..trace.time_s.partition_point(|t| *t < to_s);
-        place.is_some_and(|place| trace.position_m[between].iter().any(|x| !is_same(place, *x)))
+        position.is_some_and(|position| trace.position_m[between].iter().any(|x| !is_same(position, *x)))
     };
     let relative = |line: &Line| (line.slope.abs() + 2.0 * line.slope_error) / line.mean;
-    for (i, (from_s, place, before)) in ends.iter().enumerate() {
+    for (i, (from_s, position, before)) in ends.iter().enumerate() {
         let mut drift = relative(before);
         for (to_s, other, after) in &ends[i + 1..] {
             drift = drift.max(relative(after));
             let change = after.at(*to_s) / before.at(*from_s) - 1.0;
             let is_open = change.abs() > OPENED.max(drift * (to_s - from_s));
-            if is_open && are_same(*place, *other) && leaves(*place, *from_s, *to_s) {
+            if is_open && are_same(*position, *other) && leaves(*position, *from_s, *to_s) {
                 return Err(Error::PortOpened { trace: trace.path.clone(), from_s: *from_s, to_s: *to_s, change });
             }
         }
@@ -177,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn pressure_that_is_lost_while_the_piston_is_away_has_left_by_an_open_port() {
+    fn pressure_that_is_lost_during_an_excursion_of_the_piston_shows_an_open_port() {
         assert!(seems_open(0.03, 0.0, 0.1));
         assert!(!seems_open(0.03, 0.0, 0.02));
     }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 /// The trace without rows whose time is not later than that of all rows before, and their number.
 pub fn forward_only(trace: &Trace) -> (Cow<'_, Trace>, usize) {
     let mut latest = f64::NEG_INFINITY;
-    let goes_on: Vec<bool> = trace
+    let is_later: Vec<bool> = trace
         .time_s
         .iter()
         .map(|t| {
@@ -15,12 +15,12 @@ pub fn forward_only(trace: &Trace) -> (Cow<'_, Trace>, usize) {
             after
         })
         .collect();
-    let left_out = goes_on.iter().filter(|after| !**after).count();
+    let left_out = is_later.iter().filter(|after| !**after).count();
     if left_out == 0 {
         return (Cow::Borrowed(trace), 0);
     }
     let mut out = trace.clone();
-    out.retain(&goes_on);
+    out.retain(&is_later);
     (Cow::Owned(out), left_out)
 }
 
@@ -35,9 +35,9 @@ mod tests {
         let mut trace = rig.experiments[0].traces[0].clone();
         let rows = trace.time_s.len();
         (trace.time_s[10], trace.time_s[50]) = (trace.time_s[9], trace.time_s[40]);
-        let (mended, left_out) = forward_only(&trace);
-        assert_eq!((left_out, mended.time_s.len()), (2, rows - 2));
-        assert_eq!(mended.position_m.len(), rows - 2);
-        assert!(mended.time_s.windows(2).all(|w| w[1] > w[0]));
+        let (clean, left_out) = forward_only(&trace);
+        assert_eq!((left_out, clean.time_s.len()), (2, rows - 2));
+        assert_eq!(clean.position_m.len(), rows - 2);
+        assert!(clean.time_s.windows(2).all(|w| w[1] > w[0]));
     }
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// The piston is in motion from this many successive rows on that are all off the hold by this many standard deviations.
-const UNDER_WAY: (usize, f64) = (2, 5.0);
+const IN_MOTION: (usize, f64) = (2, 5.0);
 /// Numbers of rows in motion that are tried: the largest that a curve with a corner follows is taken.
 const ROWS: [usize; 10] = [384, 192, 96, 64, 48, 32, 24, 16, 12, 8];
 /// Numbers of coefficients of a curve that are tried: no more than the rows require.
@@ -88,26 +88,26 @@ impl Corner {
 /// The corner between a hold and a move, if there is one, from the move's rows, whose times increase from the hold on, and their
 /// distances from the extended hold, m.
 fn corner(time_s: &[f64], off_m: &[f64], noise_m: f64) -> Option<Corner> {
-    let is_off = |rows: &[f64]| rows.iter().all(|off| off.abs() > UNDER_WAY.1 * noise_m);
-    let begun = off_m.windows(UNDER_WAY.0).position(is_off).filter(|begun| *begun > 0)?;
+    let is_off = |rows: &[f64]| rows.iter().all(|off| off.abs() > IN_MOTION.1 * noise_m);
+    let begun = off_m.windows(IN_MOTION.0).position(is_off).filter(|begun| *begun > 0)?;
     let before = begun.saturating_sub(BEFORE);
     let moments = time_s[before]..time_s[begun];
-    let beside = |under_way: usize| {
-        let near = before..begun + under_way;
+    let beside = |rows_in_motion: usize| {
+        let near = before..begun + rows_in_motion;
         Rows { time_s: &time_s[near.clone()], off_m: &off_m[near], noise_m }
     };
-    let numbers = ROWS.into_iter().filter(|under_way| begun + under_way <= time_s.len());
-    let tried = numbers.flat_map(|under_way| {
-        let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= under_way);
-        coefficients.map(move |coefficients| (under_way, Form { lowest: 1, coefficients }))
+    let numbers = ROWS.into_iter().filter(|rows_in_motion| begun + rows_in_motion <= time_s.len());
+    let tried = numbers.flat_map(|rows_in_motion| {
+        let coefficients = COEFFICIENTS.take_while(move |count| count + SPARE <= rows_in_motion);
+        coefficients.map(move |coefficients| (rows_in_motion, Form { lowest: 1, coefficients }))
     });
-    let (under_way, at_once, curve) = { tried }.find_map(|(under_way, at_once)| {
-        let curve = beside(under_way).nearest(at_once, moments.clone());
-        curve.is_within_noise(at_once.coefficients).then_some((under_way, at_once, curve))
+    let (rows_in_motion, at_once, curve) = { tried }.find_map(|(rows_in_motion, at_once)| {
+        let curve = beside(rows_in_motion).nearest(at_once, moments.clone());
+        curve.is_within_noise(at_once.coefficients).then_some((rows_in_motion, at_once, curve))
     })?;
-    let gentle = beside(under_way).nearest(Form { lowest: 2, ..at_once }, moments);
+    let gentle = beside(rows_in_motion).nearest(Form { lowest: 2, ..at_once }, moments);
     let is_corner = curve.powers[0] * off_m[begun] > 0.0 && gentle.squares > curve.squares + CLEAR;
-    let followed = begun + under_way / 2;
+    let followed = begun + rows_in_motion / 2;
     is_corner.then_some(Corner { time_s: curve.begin_s, powers: curve.powers, followed })
 }
 
@@ -131,9 +131,9 @@ struct Curve {
     /// Its coefficients, from the lowest power on, with time in s.
     powers: [f64; MOST],
     /// Rows behind its start.
-    under_way: usize,
+    rows_in_motion: usize,
     /// Squares of their distances from it, over their noise, ...
-    squares_under_way: f64,
+    squares_in_motion: f64,
     /// ...and those of all rows, from the hold before it.
     squares: f64,
 }
@@ -141,8 +141,8 @@ struct Curve {
 impl Curve {
     /// Whether the rows in motion are as near to it as noise allows, for this number of coefficients.
     fn is_within_noise(&self, coefficients: usize) -> bool {
-        let free = self.under_way.saturating_sub(coefficients + 1).max(1) as f64;
-        self.squares_under_way < free + DEVIATIONS * (2.0 * free).sqrt()
+        let free = self.rows_in_motion.saturating_sub(coefficients + 1).max(1) as f64;
+        self.squares_in_motion < free + DEVIATIONS * (2.0 * free).sqrt()
     }
 }
 
@@ -185,13 +185,13 @@ impl Rows<'_> {
         let curve = square.cholesky().map_or(SVector::zeros(), |factor| factor.solve(&right));
         let over_noise = |squares: f64| squares / (self.noise_m * self.noise_m);
         let held = over_noise(self.off_m[..first].iter().map(|off| off * off).sum());
-        let squares_under_way = over_noise(rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum());
+        let squares_in_motion = over_noise(rows().map(|(t, off)| (off - curve.dot(&powers(*t))).powi(2)).sum());
         Curve {
             begin_s,
             powers: std::array::from_fn(|k| curve[k] / scale.powi((lowest + k) as i32)),
-            under_way: self.time_s.len() - first,
-            squares_under_way,
-            squares: held + squares_under_way,
+            rows_in_motion: self.time_s.len() - first,
+            squares_in_motion,
+            squares: held + squares_in_motion,
         }
     }
 }
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_leaves_at_once_has_a_corner_between_two_rows() {
+    fn a_piston_that_starts_at_full_speed_has_a_corner_between_two_rows() {
         for row_s in [0.02, 0.01, 0.004, 0.002, 2e-4] {
             for seed in 0..6 {
                 let begin = 0.2 + row_s * (0.05 + 0.16 * seed as f64);
@@ -231,10 +231,10 @@ mod tests {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let sine = |u: f64| 0.5 - 0.5 * (std::f64::consts::PI * u).cos();
         let forms: [&dyn Fn(f64) -> f64; 2] = [&smooth, &sine];
-        for way in forms {
+        for form in forms {
             for (row_s, length_s) in [(0.02, 0.6), (0.004, 0.3), (0.002, 1.2), (2e-4, 0.3), (2e-4, 1.2)] {
                 for seed in 0..4 {
-                    let stroke = |t: f64| 0.07 * way(((t - 0.2013) / length_s).clamp(0.0, 1.0));
+                    let stroke = |t: f64| 0.07 * form(((t - 0.2013) / length_s).clamp(0.0, 1.0));
                     assert!(found(row_s, stroke, seed).is_none(), "{row_s} {length_s} {seed}");
                 }
             }

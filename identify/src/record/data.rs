@@ -1,19 +1,19 @@
 //! What a fit sees of a rig: the course of the surroundings and block means of the pressure with their noise.
 
 use crate::policy;
-use crate::record::between_rows::Look;
+use crate::record::between_rows::SensorTiming;
 use crate::record::block::{Block, blocks};
+use crate::record::common_errors;
+use crate::record::convection_errors;
 use crate::record::course::Course;
 use crate::record::gaps;
-use crate::record::held;
 use crate::record::noise::{self, Noise};
 use crate::record::positions::Positions;
 use crate::record::readout::Readout;
-use crate::record::stirred;
 use crate::record::stroke::{Phase, Spline};
 use crate::record::unit::Doubt;
 use crate::record::unresolved;
-use crate::record::whiten::{Place, RELAXING, Whitener};
+use crate::record::whiten::{Observation, RELAXING, Whitener};
 use chamber::Gas;
 use records::units::Unit;
 use records::{Cylinder, LineNumbers, Tolerance, extremes, median};
@@ -56,11 +56,11 @@ pub struct Prepared {
     pub whitener: Whitener,
     /// Relative integration error of the model along it: a thousandth of the noise.
     pub relative_tolerance: f64,
-    /// How its readings depend on the recorded stroke, where that leaves its moves uncertain.
-    pub look: Look,
+    /// Timing of its readings relative to the recorded stroke, where that makes its moves uncertain.
+    pub timing: SensorTiming,
     /// Response of the pressure in each row to the heat of forced convection, Pa per relative change of that heat, where the
     /// model has it: part of this heat is uncertain from the rows of a move.
-    pub by_speed_pa: Vec<f64>,
+    pub convection_response_pa: Vec<f64>,
     /// First guess of the initial pressure, Pa.
     pub initial_pressure_pa: f64,
     /// First guess of the initial temperature, K; free where the record starts in motion.
@@ -108,9 +108,9 @@ impl Prepared {
     fn lay_out(&mut self, gamma: f64) {
         let motion = &self.course.motion;
         self.blocks =
-            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.look);
-        held::share(&mut self.blocks, &self.pressure_pa, motion, &self.position_m, gamma);
-        stirred::share(&mut self.blocks, motion, &self.by_speed_pa);
+            blocks(&self.time_s, &self.pressure_pa, motion, &self.readout, &self.position_m, gamma, self.timing);
+        common_errors::set_common_errors(&mut self.blocks, &self.pressure_pa, motion, &self.position_m, gamma);
+        convection_errors::add_convection_errors(&mut self.blocks, motion, &self.convection_response_pa);
     }
 
     pub(super) fn lay_out_and_weigh(&mut self, gamma: f64, noise: &Noise) {
@@ -124,15 +124,15 @@ impl Prepared {
         self.relative_tolerance = (INTEGRATION_ERROR * noise.total_pa() / highest).clamp(least, most);
         let rounding = noise.rounding_pa();
         let steps = |b: &Block| ((b.range_pa[1] - b.range_pa[0]) / noise.step_pa).round() + 1.0;
-        let places: Vec<Place> = (0..self.blocks.len())
+        let observations: Vec<Observation> = (0..self.blocks.len())
             .map(|i| {
                 let b = &self.blocks[i];
                 let before = i.checked_sub(1).map(|k| &self.blocks[k]);
                 let overlap = |a: &Block| a.range_pa[0] <= b.range_pa[1] && b.range_pa[0] <= a.range_pa[1];
-                Place {
+                Observation {
                     begin_s: b.extent_s[0],
                     end_s: b.extent_s[1],
-                    variance: noise.white_pa.powi(2) / b.rows as f64 + b.variance_by_position(),
+                    variance: noise.white_pa.powi(2) / b.rows as f64 + b.position_variance(),
                     common_sd_pa: b.common_sd_pa,
                     segment: b.segment,
                     rounding_sd_pa: if rounding > 0.0 { rounding / steps(b).sqrt() } else { 0.0 },
@@ -145,7 +145,7 @@ impl Prepared {
                 }
             })
             .collect();
-        self.whitener = Whitener::new(noise, &places);
+        self.whitener = Whitener::new(noise, &observations);
     }
 }
 
@@ -276,26 +276,30 @@ impl Data {
         self.traces.iter().zip(rows).all(|(t, rows)| t.readout.outliers == t.with_spikes(rows))
     }
 
-    /// The same where each record's readings leave more of the stroke uncertain than assumed so far: an average that hides most
-    /// of its travel, or readings between rows where that matters. `None` if the data do not change.
-    pub fn looked_at(&self, looks: &[Look]) -> Option<Self> {
-        let hides = |(t, look): (&Prepared, &Look)| unresolved::hides_moves(&t.course.motion, look.window_s);
-        let is_known = self.traces.iter().any(|t| t.look.window_s > 0.0);
-        let hidden = !is_known && self.traces.iter().zip(looks).any(hides);
-        let of = |(t, look): (&Prepared, &Look)| Look {
-            window_s: if hidden { look.window_s } else { t.look.window_s },
-            ..*look
+    /// The same with these timings of the records' readings, where they make the stroke more uncertain than assumed so far: an
+    /// average that hides most of its travel, or readings between rows where that matters. `None` if the data do not change.
+    pub fn with_timings(&self, sensor_timings: &[SensorTiming]) -> Option<Self> {
+        let hides =
+            |(t, timing): (&Prepared, &SensorTiming)| unresolved::hides_moves(&t.course.motion, timing.window_s);
+        let is_known = self.traces.iter().any(|t| t.timing.window_s > 0.0);
+        let hidden = !is_known && self.traces.iter().zip(sensor_timings).any(hides);
+        let of = |(t, timing): (&Prepared, &SensorTiming)| SensorTiming {
+            window_s: if hidden { timing.window_s } else { t.timing.window_s },
+            ..*timing
         };
-        let looks: Vec<Look> = self.traces.iter().zip(looks).map(of).collect();
-        if self.traces.iter().zip(&looks).all(|(t, look)| t.look == *look) {
+        let sensor_timings: Vec<SensorTiming> = self.traces.iter().zip(sensor_timings).map(of).collect();
+        if self.traces.iter().zip(&sensor_timings).all(|(t, timing)| t.timing == *timing) {
             return None;
         }
         let mut data = self.clone();
-        for (t, look) in data.traces.iter_mut().zip(looks) {
-            t.look = look;
+        for (t, timing) in data.traces.iter_mut().zip(sensor_timings) {
+            t.timing = timing;
             t.lay_out(self.gas.heat_capacity_ratio);
         }
-        if !hidden && data.open_pa().powi(2) - self.open_pa().powi(2) < self.accuracy_pa().powi(2) {
+        if !hidden
+            && data.position_uncertainty_pa().powi(2) - self.position_uncertainty_pa().powi(2)
+                < self.accuracy_pa().powi(2)
+        {
             return None;
         }
         data.traces.iter_mut().for_each(|t| t.weigh(&self.noise));
@@ -304,13 +308,13 @@ impl Data {
 
     /// The same for these responses of the rows' pressures to the heat of forced convection, record by record. `None` if the data
     /// do not change: what the rows of the moves leave uncertain by that, or its change, is within the accuracy.
-    pub fn stirred(&self, by_speed_pa: Vec<Vec<f64>>) -> Option<Self> {
-        if !self.is_stirred() && by_speed_pa.iter().all(Vec::is_empty) {
+    pub fn with_convection_responses(&self, convection_response_pa: Vec<Vec<f64>>) -> Option<Self> {
+        if !self.has_convection_errors() && convection_response_pa.iter().all(Vec::is_empty) {
             return None;
         }
         let mut data = self.clone();
-        for (t, by_speed_pa) in data.traces.iter_mut().zip(by_speed_pa) {
-            t.by_speed_pa = by_speed_pa;
+        for (t, convection_response_pa) in data.traces.iter_mut().zip(convection_response_pa) {
+            t.convection_response_pa = convection_response_pa;
             t.lay_out(self.gas.heat_capacity_ratio);
         }
         if (data.relaxing_pa() - self.relaxing_pa()).abs() < self.accuracy_pa() {
@@ -320,9 +324,9 @@ impl Data {
         Some(data)
     }
 
-    /// Whether the uncertainty of forced convection from the rows of moves counts.
-    pub fn is_stirred(&self) -> bool {
-        self.traces.iter().any(|t| !t.by_speed_pa.is_empty())
+    /// Whether the blocks have errors of forced convection from the rows of moves.
+    pub fn has_convection_errors(&self) -> bool {
+        self.traces.iter().any(|t| !t.convection_response_pa.is_empty())
     }
 
     /// Largest standard deviation that relaxes with the gas of a hold, Pa.
@@ -332,19 +336,19 @@ impl Data {
 
     /// Rms pressure uncertainty of the moves' rows due to the positions, Pa; what a lag carries into later rows is added to
     /// theirs.
-    pub fn open_pa(&self) -> f64 {
+    pub fn position_uncertainty_pa(&self) -> f64 {
         let blocks = || self.traces.iter().flat_map(|t| &t.blocks);
-        let squares: f64 = blocks().map(|b| b.by_position_pa.powi(2)).sum();
+        let squares: f64 = blocks().map(|b| b.position_sd_pa.powi(2)).sum();
         (squares / blocks().filter(|b| b.phase == Phase::Move).count().max(1) as f64).sqrt()
     }
 
     /// Expected part of a true model's sum of squares that is due to the positions' noise, which its pressures follow, and to the
-    /// error of the stroke between their rows.
-    pub fn squares_by_rows_of_positions(&self) -> f64 {
+    /// error of the stroke between the rows.
+    pub fn squares_of_position_errors(&self) -> f64 {
         let of_reading = self.noise.white_pa.powi(2) + self.noise.rounding_pa().powi(2);
         let share = |b: &Block| {
-            let all = b.variance_by_position() + of_reading / b.rows as f64;
-            b.variance_by_rows() / all.max(f64::MIN_POSITIVE)
+            let all = b.position_variance() + of_reading / b.rows as f64;
+            b.smoothable_variance() / all.max(f64::MIN_POSITIVE)
         };
         self.traces.iter().flat_map(|t| &t.blocks).map(share).sum()
     }
@@ -372,7 +376,7 @@ impl Data {
 
     /// Standard deviation of the rows' reading times about their stamps, s, if it shows; the rows' times are corrected for it.
     pub fn clock_jitter_s(&self) -> Option<f64> {
-        self.traces.iter().flat_map(|t| &t.readout.open_s).copied().reduce(f64::max)
+        self.traces.iter().flat_map(|t| &t.readout.time_sd_s).copied().reduce(f64::max)
     }
 
     /// Number of rows left out as outliers.

@@ -3,8 +3,8 @@
 //! A time step far longer than those around it hides what the piston did in it: a smooth curve through the rows on either side
 //! may be off by metres per second. Behind the gap the volume is known again, and so is the gas's mass, which a closed chamber
 //! keeps; only the heat exchanged in the gap is not. The stroke in a gap is therefore any that the piston may have made, and the
-//! gas's temperature at its end is a per-record parameter ([`crate::parameters::Own::BehindGap`]). A few rows on either side are
-//! not data either: there a sensor that is late, or lags, shows what happened in the gap.
+//! gas's temperature at its end is a per-record parameter ([`crate::parameters::RecordSlot::BehindGap`]). A few rows on either
+//! side are not data either: there a sensor that is late, or lags, shows what happened in the gap.
 //! Position in m, time in s.
 
 use crate::policy;
@@ -84,7 +84,7 @@ fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
     const OUT: f64 = 0.02;
     const HALVINGS: i32 = 8;
     const LOOKED_AT: u32 = 32;
-    let (times, places) = ([from.time_s, to.time_s], [from.position_m, to.position_m]);
+    let (times, positions) = ([from.time_s, to.time_s], [from.position_m, to.position_m]);
     let out_m = OUT * (high - low);
     let stays = |curve: &Spline| {
         let near = Cell::new(0);
@@ -93,9 +93,9 @@ fn course([from, to]: [Held; 2], (low, high): (f64, f64)) -> Spline {
     };
     let curves = (0..HALVINGS).map(|k| {
         let part = 0.5f64.powi(k);
-        Spline::through(times.to_vec(), places.to_vec(), [Some(part * from.speed), Some(part * to.speed)])
+        Spline::through(times.to_vec(), positions.to_vec(), [Some(part * from.speed), Some(part * to.speed)])
     });
-    { curves }.find(stays).unwrap_or_else(|| Spline::line(times, places))
+    { curves }.find(stays).unwrap_or_else(|| Spline::line(times, positions))
 }
 
 fn at_end(part: &Motion) -> Held {
@@ -165,16 +165,16 @@ fn cuts(time_s: &[f64], position_m: &[f64]) -> Vec<usize> {
     let (low, high) = extremes(position_m);
     let least_m = DEVIATIONS * std::f64::consts::SQRT_2 * position_noise(position_m);
     let moves = |k: &usize| {
-        let way = |from: usize, to: usize| {
-            let way = (position_m[to] - position_m[from]).abs();
-            if way > least_m { way } else { 0.0 }
+        let travel_m = |from: usize, to: usize| {
+            let travel_m = (position_m[to] - position_m[from]).abs();
+            if travel_m > least_m { travel_m } else { 0.0 }
         };
         // The displacement in the gap, or the one that the speed on either side would make there.
-        let goes_on = |from: usize, to: usize| way(from, to) * steps[*k] / (time_s[to] - time_s[from]);
-        let before = goes_on(k - ROWS_OF_SPEED, *k);
+        let extrapolated_m = |from: usize, to: usize| travel_m(from, to) * steps[*k] / (time_s[to] - time_s[from]);
+        let before = extrapolated_m(k - ROWS_OF_SPEED, *k);
         let to = (k + 1 + ROWS_OF_SPEED).min(time_s.len() - 1);
-        let behind = if to > k + 1 { goes_on(k + 1, to) } else { 0.0 };
-        way(*k, k + 1).max(before).max(behind) > policy::GAP_WAY * (high - low)
+        let behind = if to > k + 1 { extrapolated_m(k + 1, to) } else { 0.0 };
+        travel_m(*k, k + 1).max(before).max(behind) > policy::GAP_TRAVEL * (high - low)
     };
     long.into_iter().filter(moves).map(|k| k + 1).collect()
 }
@@ -187,8 +187,8 @@ mod tests {
     /// 0.1 m to 0.05 m from 1 s on in 0.4 s, and back from 3 s on.
     fn stroke(time: f64) -> f64 {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        let way = |begin: f64| smooth(((time - begin) / 0.4).clamp(0.0, 1.0));
-        0.1 - 0.05 * (way(1.0) - way(3.0))
+        let travel = |begin: f64| smooth(((time - begin) / 0.4).clamp(0.0, 1.0));
+        0.1 - 0.05 * (travel(1.0) - travel(3.0))
     }
 
     /// Five seconds at 100 Hz without the rows in these stretches, s.
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_over_a_move_is_a_part_of_its_own_and_the_rows_around_it_are_no_data() {
+    fn a_gap_over_a_move_is_a_separate_segment_and_the_rows_around_it_are_no_data() {
         let (time_s, motion) = motion_of(&[0.905..1.555]);
         let gaps: Vec<&Segment> = of(&motion).collect();
         let [gap] = gaps[..] else { panic!("{} gaps", gaps.len()) };
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_before_a_gap_and_behind_it_is_followed_as_far_as_there_are_rows() {
+    fn the_stroke_on_either_side_of_a_gap_is_followed_as_far_as_there_are_rows() {
         let (_, motion) = motion_of(&[1.155..1.305]);
         let near = Cell::new(0);
         for t in [1.05, 1.1, 1.15, 1.31, 1.35] {
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_move_begins_where_it_does_though_a_gap_leaves_few_rows_before_it_that_were_read_unevenly() {
+    fn the_begin_of_a_move_is_found_though_a_gap_leaves_few_uneven_rows_before_it() {
         // 0.25 s at rest, then accelerating for 0.2 s.
         let stroke = |t: f64| {
             let u = (t - 0.25).max(0.0);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stroke_taken_for_a_gap_goes_on_smoothly_and_stays_where_the_piston_goes() {
+    fn the_stroke_assumed_in_a_gap_joins_smoothly_and_stays_within_the_travel() {
         let sine = |t: f64| 0.1 + 0.03 * (2.0 * t).sin();
         let rows = (0..600).map(|i| 0.01 * f64::from(i)).filter(|t| !(1.505..1.905).contains(t));
         let (time_s, position_m): (Vec<f64>, Vec<f64>) = rows.map(|t| (t, sine(t))).unzip();
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_goes_and_comes_back_in_a_gap_moved_in_it() {
+    fn a_piston_that_moves_and_returns_within_a_gap_counts_as_moving() {
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             (0..600).map(|i| 0.01 * f64::from(i)).map(|t| (t, 0.1 + 0.03 * (4.0 * t).sin())).unzip();
         // Around a turning point.
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_come_seldom_while_the_piston_rests_are_no_gap() {
+    fn sparse_rows_while_the_piston_rests_are_no_gap() {
         let rows = |t: &f64| !(1.5..2.9).contains(t) || ((t * 100.0).round() as usize).is_multiple_of(20);
         let (time_s, position_m): (Vec<f64>, Vec<f64>) =
             (0..500).map(|i| 0.01 * f64::from(i)).filter(rows).map(|t| (t, stroke(t))).unzip();

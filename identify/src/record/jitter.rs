@@ -56,11 +56,11 @@ pub struct Times {
     /// The times, s, as far as the positions determine them.
     pub time_s: Vec<f64>,
     /// Standard deviation of the true times about those, s: that of the clock in rows without motion.
-    pub open_s: Vec<f64>,
+    pub time_sd_s: Vec<f64>,
 }
 
-/// When the rows of a logger's records were read; `None` if its clock shows no jitter.
-pub fn mended(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
+/// Returns when the rows of a logger's records were read; `None` if its clock shows no jitter.
+pub fn corrected_times(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
     let rows: Vec<Vec<Row>> = records.iter().map(rows_in_motion).collect();
     let row_s = records.iter().map(|r| usual_row_s(r.time_s)).min_by(f64::total_cmp)?;
     let jitter_s = jitter(rows.iter().flatten(), row_s)?;
@@ -71,7 +71,7 @@ pub fn mended(records: &[Stamped<'_>]) -> Option<Vec<Times>> {
 impl Stamped<'_> {
     /// When the rows were read: those in motion by their distance from a cubic through `reach` rows on either side.
     fn times(&self, rows: &[Row], jitter_s: f64, reach: usize) -> Times {
-        let mut times = Times { time_s: self.time_s.to_vec(), open_s: vec![jitter_s; self.time_s.len()] };
+        let mut times = Times { time_s: self.time_s.to_vec(), time_sd_s: vec![jitter_s; self.time_s.len()] };
         for row in rows.iter().filter(|row| self.reaches(row.at, reach)) {
             let at = row.at;
             let [position, speed] = local_cubic(self.time_s, self.position_m, at, reach);
@@ -81,7 +81,7 @@ impl Stamped<'_> {
                 let late = told * (self.position_m[at] - position) / speed;
                 let [before, after] = [at - 1, at + 1].map(|beside| (self.time_s[beside] - self.time_s[at]).abs());
                 times.time_s[at] += late.clamp(-FARTHEST * before, FARTHEST * after);
-                times.open_s[at] *= (1.0 - told * (1.0 - in_cubic(reach))).sqrt();
+                times.time_sd_s[at] *= (1.0 - told * (1.0 - in_cubic(reach))).sqrt();
             }
         }
         times
@@ -194,20 +194,20 @@ mod tests {
         Record { stamps, read, position, pressure }
     }
 
-    fn mended_times(records: &[Record]) -> Option<Vec<Times>> {
+    fn times_of(records: &[Record]) -> Option<Vec<Times>> {
         let columns: Vec<Stamped<'_>> = records
             .iter()
             .map(|r| Stamped { time_s: &r.stamps, position_m: &r.position, pressure_pa: &r.pressure })
             .collect();
-        mended(&columns)
+        corrected_times(&columns)
     }
 
     #[test]
     fn the_times_of_rows_that_were_read_unevenly_are_found() {
         for late_s in [0.0, 0.007] {
             let records: Vec<Record> = (0..4).map(|seed| record(seed, 0.2, 0.0, late_s)).collect();
-            let times = mended_times(&records).unwrap();
-            let jitter_s = times[0].open_s[0];
+            let times = times_of(&records).unwrap();
+            let jitter_s = times[0].time_sd_s[0];
             assert!((jitter_s / (0.2 * ROW_S) - 1.0).abs() < 0.2, "{jitter_s}");
             let off = |times: &dyn Fn(usize) -> f64, r: &Record| -> f64 {
                 // The fast part of the push.
@@ -224,17 +224,17 @@ mod tests {
     fn an_even_clock_shows_no_jitter_whatever_the_noise() {
         for (seed, shakes_m) in [(0, 0.0), (10, 5e-5), (20, 2e-4)] {
             let records: Vec<Record> = (0..4).map(|k| record(seed + k, 0.0, shakes_m, 0.0)).collect();
-            assert!(mended_times(&records).is_none(), "{shakes_m}");
+            assert!(times_of(&records).is_none(), "{shakes_m}");
         }
     }
 
     #[test]
-    fn what_is_left_open_of_the_times_is_of_the_size_that_is_stated() {
+    fn the_remaining_error_of_the_times_is_of_the_stated_size() {
         let records: Vec<Record> = (0..8).map(|seed| record(seed, 0.2, 0.0, 0.0)).collect();
-        let times = mended_times(&records).unwrap();
+        let times = times_of(&records).unwrap();
         let rows = || records.iter().zip(&times).flat_map(|(r, t)| (0..600).map(move |i| (r, t, i)));
         let off: f64 = rows().map(|(r, t, i)| (t.time_s[i] - r.read[i]).powi(2)).sum();
-        let stated: f64 = rows().map(|(_, t, i)| t.open_s[i].powi(2)).sum();
+        let stated: f64 = rows().map(|(_, t, i)| t.time_sd_s[i].powi(2)).sum();
         assert!((0.8..1.25).contains(&(off / stated).sqrt()), "{}", (off / stated).sqrt());
     }
 
@@ -251,7 +251,7 @@ mod tests {
                 Record { position, pressure, ..even }
             })
             .collect();
-        assert!(mended_times(&records).is_none());
+        assert!(times_of(&records).is_none());
     }
 
     #[test]
@@ -263,8 +263,8 @@ mod tests {
     }
 
     #[test]
-    fn positions_that_shake_by_themselves_tell_no_time() {
+    fn positions_with_vibration_of_their_own_correct_no_times() {
         let records: Vec<Record> = (0..4).map(|seed| record(seed, 0.05, 1e-4, 0.0)).collect();
-        assert!(mended_times(&records).is_none());
+        assert!(times_of(&records).is_none());
     }
 }

@@ -45,10 +45,10 @@ mod tests {
     use super::*;
 
     /// Positions at every row of moves to and fro at this travel per row, with rests between them.
-    fn to_and_fro(way_per_row: f64, rows: usize) -> Vec<f64> {
-        let there = (0..=rows).map(|k| way_per_row * k as f64);
+    fn to_and_fro(travel_per_row: f64, rows: usize) -> Vec<f64> {
+        let there = (0..=rows).map(|k| travel_per_row * k as f64);
         let rest = |x: f64| std::iter::repeat_n(x, 20);
-        let far = way_per_row * rows as f64;
+        let far = travel_per_row * rows as f64;
         let once = || rest(0.0).chain(there.clone()).chain(rest(far)).chain(there.clone().map(move |x| far - x));
         (0..3).flat_map(|_| once()).collect()
     }
@@ -67,9 +67,9 @@ mod tests {
     fn the_steps_of_an_encoder_show_in_the_bends_of_even_and_of_smooth_moves() {
         let step = 2e-4;
         let rounded = |x: f64| (x / step).round() * step;
-        for way_per_row in [0.3 * step, 0.95 * step, 5.3 * step] {
-            let positions: Vec<f64> = to_and_fro(way_per_row, 60).into_iter().map(rounded).collect();
-            assert!((of_bends(&positions, 1e-12) / step - 1.0).abs() < 1e-9, "{way_per_row}");
+        for travel_per_row in [0.3 * step, 0.95 * step, 5.3 * step] {
+            let positions: Vec<f64> = to_and_fro(travel_per_row, 60).into_iter().map(rounded).collect();
+            assert!((of_bends(&positions, 1e-12) / step - 1.0).abs() < 1e-9, "{travel_per_row}");
         }
         let smooth = (0..=30).map(|k| rounded(0.05 * (0.1 * f64::from(k)).sin()));
         assert!((of_bends(&smooth.collect::<Vec<_>>(), 1e-12) / step - 1.0).abs() < 1e-9);

@@ -18,9 +18,9 @@ pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<boo
     /// ...nor to fewer than these if no number of means shows its moves whole, but a larger number shows some.
     const FEWEST_IN_PIECES: usize = 2000;
     /// A held piston wanders by no more than this fraction of the record's travel, ...
-    const MOST_OF_WAY: f64 = 0.02;
+    const MOST_WANDER: f64 = 0.02;
     /// ...and creeps by no more than this one.
-    const MOST_CREPT: f64 = 0.05;
+    const MOST_CREEP: f64 = 0.05;
     let mut averaged = 1;
     let mut in_pieces = Vec::new();
     loop {
@@ -34,8 +34,8 @@ pub fn moving(position_m: &[f64], shortest_hold: usize, noise_m: f64) -> Vec<boo
         let whole = |(first, end, moves): (usize, usize, bool)| match moves {
             true => end - first >= FEWEST_ROWS,
             false => {
-                let [off, along] = ways(&means[first..end]);
-                off < MOST_OF_WAY * (high - low) && along < MOST_CREPT * (high - low)
+                let [wander_m, creep_m] = wander_and_creep(&means[first..end]);
+                wander_m < MOST_WANDER * (high - low) && creep_m < MOST_CREEP * (high - low)
             }
         };
         let is_whole = moving.contains(&true) && ranges(&moving).into_iter().all(whole);
@@ -74,8 +74,8 @@ fn moving_rows(position_m: &[f64], threshold: f64, shortest_hold: usize) -> Vec<
     moving
 }
 
-/// Largest distance of the means of a stop's rows from their straight line, and the length of that line, m.
-fn ways(position_m: &[f64]) -> [f64; 2] {
+/// Largest distance of the means of a stop's rows from their straight line, and the change along that line, m.
+fn wander_and_creep(position_m: &[f64]) -> [f64; 2] {
     const PARTS: usize = 20;
     if position_m.len() < 2 * PARTS {
         return [0.0; 2];
@@ -83,8 +83,8 @@ fn ways(position_m: &[f64]) -> [f64; 2] {
     let means: Vec<f64> = position_m.chunks_exact(position_m.len() / PARTS).map(mean).collect();
     let index: Vec<f64> = (0..means.len()).map(|i| i as f64).collect();
     let line = Line::through(&index, &means);
-    let off = index.iter().zip(&means).map(|(i, x)| (x - line.at(*i)).abs()).fold(0.0, f64::max);
-    [off, line.slope.abs() * means.len() as f64]
+    let wander_m = index.iter().zip(&means).map(|(i, x)| (x - line.at(*i)).abs()).fold(0.0, f64::max);
+    [wander_m, line.slope.abs() * means.len() as f64]
 }
 
 /// Joins moves between which the piston turns without a stop, and extends those at the record's ends by the turns that they begin
@@ -106,7 +106,7 @@ fn join(moving: &mut [bool], position_m: &[f64]) {
     const PART: f64 = 0.5;
     /// Duration of the longer move over that of the shortest stop beside it.
     const SHORTEST_STOP: usize = 6;
-    let way = |first: usize, end: usize| {
+    let travel = |first: usize, end: usize| {
         let (low, high) = extremes(&position_m[first..end]);
         high - low
     };
@@ -118,9 +118,9 @@ fn join(moving: &mut [bool], position_m: &[f64]) {
         }
         // Start of the move before, including what was joined to it.
         let from = begun.unwrap_or(before.0);
-        let ways = [way(from, first), way(after.0, after.1)];
+        let travels = [travel(from, first), travel(after.0, after.1)];
         let lasts = SHORTEST_STOP * (end - first) > (first - from).max(after.1 - after.0);
-        let is_one = !lasts && ways[0].min(ways[1]) < PART * ways[0].max(ways[1]);
+        let is_one = !lasts && travels[0].min(travels[1]) < PART * travels[0].max(travels[1]);
         if is_one {
             moving[first..end].fill(true);
         }
@@ -190,8 +190,8 @@ fn unsettled(rows: &[f64], length: usize, noise_m: f64) -> usize {
     let most = half.min(LONGEST * length);
     let mut moved = 0;
     for i in 0..most {
-        let goes_on = i == moved && off(i) > DEVIATIONS[0] * error(i);
-        if goes_on || off(i) > DEVIATIONS[1] * error(i).max(wander) {
+        let continues = i == moved && off(i) > DEVIATIONS[0] * error(i);
+        if continues || off(i) > DEVIATIONS[1] * error(i).max(wander) {
             moved = i + 1;
         } else if i > moved + PASSING * window {
             break;

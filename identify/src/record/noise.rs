@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_shows_of_slow_noise_what_it_varies_about_its_mean() {
+    fn a_record_shows_the_variation_of_slow_noise_about_its_mean() {
         let mut random = Random::new(21);
         let rows = 2000;
         for time_s in [0.05, 1.0, 30.0] {
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_model_leaves_adds_its_power_to_noise_of_any_colour() {
+    fn the_residual_of_a_model_adds_its_power_to_noise_of_any_colour() {
         let colour = |time_s| Colour { sd_pa: 2.0, time_s };
         for known in [0, 1, 2, FLICKER_COLOURS] {
             let noise =
@@ -428,7 +428,7 @@ mod tests {
     }
 
     #[test]
-    fn rounded_readings_that_were_interpolated_anew_keep_the_step_at_which_they_stand() {
+    fn rounded_readings_that_were_resampled_keep_their_step() {
         const STEP_PA: f64 = 689.0;
         // Read 43 times a second, written 50 times: between two readings it resolves a twentieth of a step.
         let pressure = |t: f64| 1e5 * (9.0 - 0.005 * t + 0.03 * (-t / 4.0).exp());

@@ -239,14 +239,14 @@ mod tests {
     fn two_spikes_together_are_left_out_also_in_the_quiet_end_of_what_counts_as_a_move() {
         let (mut data, mut residuals, _) = noise_of_a_rig();
         let sd_pa = data.noise.white_pa;
-        let (place, quiet) = {
+        let (index, quiet) = {
             let motion = &mut data.traces[0].course.motion;
-            let place = motion.segments.iter().position(|s| s.phase == Phase::Move).unwrap();
-            let end = motion.segments[place].end + 60;
-            (motion.segments[place].end, motion.segments[place + 1].first) = (end, end);
-            (place, end - 20)
+            let index = motion.segments.iter().position(|s| s.phase == Phase::Move).unwrap();
+            let end = motion.segments[index].end + 60;
+            (motion.segments[index].end, motion.segments[index + 1].first) = (end, end);
+            (index, end - 20)
         };
-        assert!(data.traces[0].course.motion.segments[place].end > quiet);
+        assert!(data.traces[0].course.motion.segments[index].end > quiet);
         residuals[0][quiet] += 40.0 * sd_pa;
         residuals[0][quiet + 1] += 20.0 * sd_pa;
         assert_eq!(in_residuals(&data, &residuals)[0], [quiet, quiet + 1]);
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_gas_can_have_is_replaced_by_the_reading_before_it_and_left_out() {
+    fn an_impossible_pressure_is_replaced_by_the_reading_before_it_and_left_out() {
         let p = [9.9e37, 2e5, 2.1e5, 3e7, -1e300, 2.2e5];
         let (filled, rows) = without_impossible(&p);
         assert_eq!((filled.as_ref(), rows), (&[2.2e5, 2e5, 2.1e5, 2.1e5, 2.1e5, 2.2e5][..], vec![0, 3, 4]));

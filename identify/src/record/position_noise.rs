@@ -21,24 +21,25 @@ pub fn step(position_m: &[f64]) -> f64 {
 pub fn position_noise(position_m: &[f64]) -> f64 {
     let changes = position_m.windows(2).map(|w| (w[1] - w[0]).abs());
     let smallest_m = changes.filter(|d| *d > NOTHING_M).fold(f64::INFINITY, f64::min);
-    let (step_m, goes_on) = (step(position_m), goes_on(position_m));
+    let (step_m, moves_often) = (step(position_m), moves_often(position_m));
     let most_m = if step_m > 0.0 { COARSEST_M } else { FINEST_M };
     // The smallest change of a piston that hardly ever rests may be many steps.
-    let rounded_to_m = if goes_on && step_m > 0.0 { smallest_m.min(step_m) } else { smallest_m };
+    let rounded_to_m = if moves_often && step_m > 0.0 { smallest_m.min(step_m) } else { smallest_m };
     let least = if rounded_to_m.is_finite() { (rounded_to_m / 12.0f64.sqrt()).min(most_m) } else { 0.0 };
-    let scatter = if goes_on { scatter_about_bends } else { scatter };
+    let scatter = if moves_often { scatter_about_bends } else { scatter };
     scatter(position_m).max(least)
 }
 
-/// Whether the piston moves in so many rows that its stroke's bends are among the small ones of the record. `WAY` is the fraction
+/// Whether the piston moves in so many rows that its stroke's bends are among the small ones of the record. `FAR` is the fraction
 /// of the travel from which on a window's bends can exceed the noise; other bends at rest, a filter's noise, do not count.
-fn goes_on(position_m: &[f64]) -> bool {
+fn moves_often(position_m: &[f64]) -> bool {
     const ROWS: usize = 13;
-    const WAY: f64 = 0.01;
+    const FAR: f64 = 0.01;
     const SHARE: f64 = 0.25;
     let (low, high) = extremes(position_m);
-    let ways = position_m.windows(ROWS).map(extremes).map(|(lowest, highest)| highest - lowest);
-    let (all, far) = ways.fold((0, 0), |(all, far), way| (all + 1, far + usize::from(way > WAY * (high - low))));
+    let ranges_m = position_m.windows(ROWS).map(extremes).map(|(lowest, highest)| highest - lowest);
+    let (all, far) =
+        ranges_m.fold((0, 0), |(all, far), range_m| (all + 1, far + usize::from(range_m > FAR * (high - low))));
     far as f64 > SHARE * all as f64
 }
 
@@ -75,8 +76,8 @@ mod tests {
     /// Positions, m, of this stroke at `n` rows `row_s` apart, with this noise, m, and rounded to these steps, m.
     fn recorded(stroke: impl Fn(f64) -> f64, n: u32, row_s: f64, noise_m: f64, step_m: f64) -> Vec<f64> {
         let mut random = Random::new(12);
-        let places = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
-        places.map(|x| (x / step_m).round() * step_m).collect()
+        let positions = (0..n).map(|i| stroke(f64::from(i) * row_s) + noise_m * random.normal());
+        positions.map(|x| (x / step_m).round() * step_m).collect()
     }
 
     fn sine(frequency_hz: f64) -> impl Fn(f64) -> f64 {
@@ -85,8 +86,8 @@ mod tests {
 
     /// 50 mm in 0.13 s from 1.013 s on and back from 4.017 s on, at constant speed.
     fn push_and_hold(t: f64) -> f64 {
-        let way = |begin: f64| ((t - begin) / 0.13).clamp(0.0, 1.0);
-        0.1 - 0.05 * (way(1.013) - way(4.017))
+        let range_m = |begin: f64| ((t - begin) / 0.13).clamp(0.0, 1.0);
+        0.1 - 0.05 * (range_m(1.013) - range_m(4.017))
     }
 
     #[test]
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_noise_of_a_piston_that_is_held_is_judged_as_its_second_differences_are() {
+    fn slow_noise_of_a_held_piston_is_judged_by_its_second_differences() {
         let mut random = Random::new(5);
         let slow = (0..700).scan(0.0, |noise, i| {
             *noise += 0.2 * (1e-5 * random.normal() - *noise);
@@ -155,15 +156,15 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_rounded_readings_is_off_by_no_more_and_not_much_less_than_is_said_of_it() {
+    fn the_error_of_the_mean_of_rounded_readings_is_of_the_stated_size() {
         let mut random = Random::new(21);
         for noise in [0.0, 0.05, 0.15, 0.3, 0.6] {
             let (mut square, mut said) = (0.0, 0.0);
             for k in 0..400 {
-                let place = 100.0 + f64::from(k) / 400.0;
-                let readings: Vec<f64> = (0..500).map(|_| (place + noise * random.normal()).round()).collect();
+                let position = 100.0 + f64::from(k) / 400.0;
+                let readings: Vec<f64> = (0..500).map(|_| (position + noise * random.normal()).round()).collect();
                 let mean = readings.iter().sum::<f64>() / 500.0;
-                square += (mean - place).powi(2) - noise * noise / 500.0;
+                square += (mean - position).powi(2) - noise * noise / 500.0;
                 said += rounding_of_mean(&readings, 1.0).powi(2);
             }
             let (off, said) = ((square.max(0.0) / 400.0).sqrt(), (said / 400.0).sqrt());
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_leaves_nothing_of_a_mean_where_readings_have_no_steps() {
+    fn rounding_adds_no_error_to_a_mean_where_readings_have_no_steps() {
         assert_eq!(rounding_of_mean(&[0.1, 0.1], 0.0), 0.0);
     }
 }

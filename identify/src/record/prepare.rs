@@ -1,7 +1,7 @@
 //! Prepares a rig's traces for a fit.
 
 use crate::error::Error;
-use crate::record::between_rows::Look;
+use crate::record::between_rows::SensorTiming;
 use crate::record::course::Course;
 use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
@@ -54,9 +54,9 @@ impl Data {
 
     /// The same from all rows of the traces.
     fn of_rows(rig: &Rig) -> Result<Self, Error> {
-        let mended = Mended::all(rig);
-        let mut columns = Vec::with_capacity(mended.len());
-        for trace in &mended {
+        let clean = CleanTrace::all(rig);
+        let mut columns = Vec::with_capacity(clean.len());
+        for trace in &clean {
             columns.push(Columns::of(trace)?);
         }
         let records: Vec<(&[f64], &[f64])> = columns.iter().map(|c| (&c.time_s[..], &c.pressure_pa[..])).collect();
@@ -66,11 +66,11 @@ impl Data {
         }
         let declared = Declared::of(rig);
         let mut ends: Vec<End> = Vec::new();
-        for (c, mended) in columns.iter_mut().zip(&mended) {
+        for (c, clean) in columns.iter_mut().zip(&clean) {
             ends.extend(checks::trace(c.trace, &c.pressure_pa, &c.motion, &c.readout, declared, &rig.cylinder)?);
             c.readout.unfollowed = c.motion.unfollowed();
             c.readout.at_gaps = gaps::rows(&c.motion);
-            c.readout.open_s = mended.open_s.clone();
+            c.readout.time_sd_s = clean.time_sd_s.clone();
         }
         leave_out_saturated(&mut columns, ends)?;
         if columns.is_empty() {
@@ -123,17 +123,17 @@ impl Data {
 }
 
 /// A trace with increasing times, its positions linear between those that were read.
-struct Mended<'a> {
+struct CleanTrace<'a> {
     trace: Cow<'a, Trace>,
     experiment: usize,
     repeat: usize,
     backward_rows: usize,
     positions: Positions,
-    /// As [`Readout::open_s`].
-    open_s: Vec<f64>,
+    /// As [`Readout::time_sd_s`].
+    time_sd_s: Vec<f64>,
 }
 
-impl<'a> Mended<'a> {
+impl<'a> CleanTrace<'a> {
     /// Those of a rig, whose position sensor is read alike in all of them, with the times at which the rows were read.
     fn all(rig: &'a Rig) -> Vec<Self> {
         let traces = rig.experiments.iter().enumerate().flat_map(|(e, experiment)| {
@@ -143,23 +143,23 @@ impl<'a> Mended<'a> {
         let traces: Vec<_> = traces.collect();
         let rows: Vec<&[f64]> = traces.iter().map(|(_, _, (trace, _))| &trace.position_m[..]).collect();
         let positions = Positions::of_rig(&rows);
-        let mut mended: Vec<Self> = traces
+        let mut clean: Vec<Self> = traces
             .into_iter()
             .zip(positions)
             .map(|((experiment, repeat, (mut trace, backward_rows)), positions)| {
                 if !positions.are_all() {
                     trace.to_mut().position_m = positions.filled(&trace.position_m);
                 }
-                Self { trace, experiment, repeat, backward_rows, positions, open_s: Vec::new() }
+                Self { trace, experiment, repeat, backward_rows, positions, time_sd_s: Vec::new() }
             })
             .collect();
-        let stamped = mended.iter().map(Self::stamped).collect::<Option<Vec<_>>>();
-        let times = stamped.and_then(|records| jitter::mended(&records));
-        for (mended, Times { time_s, open_s }) in mended.iter_mut().zip(times.into_iter().flatten()) {
-            mended.trace.to_mut().time_s = time_s;
-            mended.open_s = open_s;
+        let stamped = clean.iter().map(Self::stamped).collect::<Option<Vec<_>>>();
+        let times = stamped.and_then(|records| jitter::corrected_times(&records));
+        for (clean, Times { time_s, time_sd_s }) in clean.iter_mut().zip(times.into_iter().flatten()) {
+            clean.trace.to_mut().time_s = time_s;
+            clean.time_sd_s = time_sd_s;
         }
-        mended
+        clean
     }
 
     /// Its columns, if each row was read.
@@ -186,8 +186,8 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     /// Treats each row of a trace as a reading.
-    fn of(mended: &'a Mended<'_>) -> Result<Self, Error> {
-        let &Mended { ref trace, experiment, repeat, backward_rows, ref positions, .. } = mended;
+    fn of(clean: &'a CleanTrace<'_>) -> Result<Self, Error> {
+        let &CleanTrace { ref trace, experiment, repeat, backward_rows, ref positions, .. } = clean;
         let pressure_pa =
             trace.pressure_pa.as_deref().ok_or_else(|| Error::NoPressure { trace: trace.path.clone() })?;
         checks::rows(trace)?;
@@ -283,8 +283,8 @@ impl<'a> Columns<'a> {
             blocks: Vec::new(),
             whitener: Whitener::default(),
             relative_tolerance: RELATIVE_TOLERANCES[0],
-            look: Look::default(),
-            by_speed_pa: Vec::new(),
+            timing: SensorTiming::default(),
+            convection_response_pa: Vec::new(),
             initial_pressure_pa: initial_pressure(&pressure_pa, &motion, &readout),
             position_m: trace.position_m.clone(),
             positions: positions.clone(),

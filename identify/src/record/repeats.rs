@@ -20,16 +20,16 @@ pub fn are_alike(traces: &[&Prepared]) -> bool {
 }
 
 /// The data rows of a segment of alike records, aligned, the same number of each.
-pub fn data_beside_each_other(traces: &[&Prepared], segment: usize) -> Vec<Vec<usize>> {
+pub fn aligned_data_rows(traces: &[&Prepared], segment: usize) -> Vec<Vec<usize>> {
     let rows = |t: &&Prepared| -> Vec<usize> {
         let own = &t.course.motion.segments[segment];
         (own.first..own.end).filter(|row| t.readout.is_data(*row)).collect()
     };
-    beside_each_other(traces, segment, &traces.iter().map(rows).collect::<Vec<_>>())
+    aligned_rows(traces, segment, &traces.iter().map(rows).collect::<Vec<_>>())
 }
 
 /// The aligned rows of a segment of alike records, the same number of each, chosen from `rows`, those of each record in order.
-pub fn beside_each_other(traces: &[&Prepared], segment: usize, rows: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub fn aligned_rows(traces: &[&Prepared], segment: usize, rows: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let is_rest = traces[0].course.motion.segments[segment].phase == Phase::Rest;
     let shortest = |rows: &[Vec<usize>]| rows.iter().map(Vec::len).min().unwrap_or(0);
     let length = shortest(rows);
@@ -72,7 +72,7 @@ mod tests {
     use crate::synthetic::Recipe;
 
     #[test]
-    fn holds_stand_beside_each_other_by_the_way_gone_where_a_move_of_one_repeat_seems_to_last_longer() {
+    fn holds_are_aligned_by_travel_where_a_move_of_one_repeat_seems_to_last_longer() {
         let data = Data::prepare(&Recipe { repeats: 2, ..Recipe::from_seed(5) }.rig()).unwrap();
         let mut traces: Vec<Prepared> = of(&data, 0).into_iter().map(|k| data.traces[k].clone()).collect();
         assert_eq!(traces.len(), 2);
@@ -82,11 +82,11 @@ mod tests {
         segments[2].first += 40;
         let traces: Vec<&Prepared> = traces.iter().collect();
         let hold = |k: usize| (traces[k].course.motion.segments[2].first..traces[k].time_s.len()).collect::<Vec<_>>();
-        let beside = beside_each_other(&traces, 2, &[hold(0), hold(1)]);
+        let beside = aligned_rows(&traces, 2, &[hold(0), hold(1)]);
         assert_eq!([beside[0].len(), beside[1].len()], [hold(1).len(); 2]);
         assert!(beside[0].iter().zip(&beside[1]).all(|(a, b)| a - half == b - other));
         // Of a hold that ends before the other begins, nothing would be left.
         let short = hold(0)[..30].to_vec();
-        assert_eq!(beside_each_other(&traces, 2, &[short.clone(), hold(1)]), [short, hold(1)[..30].to_vec()]);
+        assert_eq!(aligned_rows(&traces, 2, &[short.clone(), hold(1)]), [short, hold(1)[..30].to_vec()]);
     }
 }

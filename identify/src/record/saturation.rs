@@ -77,18 +77,18 @@ fn is_saturated(
     let beside: Vec<f64> = rows.iter().filter(|row| is_beside(row)).map(|&row| pressure_pa[row]).collect();
     let step_pa = lattice::of_changes(&beside, 1e-9);
     let noisy = !readings_stick(&beside, step_pa) && reversal_fraction(readings.iter().copied()) > TURNED_BACK;
-    let way = |rows: Range<usize>| {
+    let travel_of = |rows: Range<usize>| {
         let (low, high) = extremes(&trace.position_m[rows]);
         high - low
     };
-    let travel = way(0..trace.position_m.len());
+    let travel = travel_of(0..trace.position_m.len());
     let in_a_move = motion.segments.iter().any(|s| {
         let inside = first.max(s.first)..(last + 1).min(s.end);
-        let stroke = way(s.first..s.end);
+        let stroke = travel_of(s.first..s.end);
         s.phase == Phase::Move
             && stroke > SHORT_MOVE * travel
             && inside.len() as f64 >= LONGEST_HONEST_RUN as f64 * readout.readings.period()
-            && way(inside.clone()) > SHORT_PART * stroke
+            && travel_of(inside.clone()) > SHORT_PART * stroke
             && change_pa(pressure_pa[first], &trace.position_m[inside]) > step_pa
             && (noisy || last + 1 > first.max(s.first) + (s.end - s.first))
     });
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_at_an_end_of_the_range_are_told_with_the_few_between_them() {
+    fn rows_at_an_end_of_the_range_are_found_with_the_few_between_them() {
         let values = [1.0, 5.0, 5.0, 4.9, 5.0, 3.0, 2.0, 5.0, 2.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0];
         assert_eq!(rows_at(&[5.0], &values), [1..8, 13..15]);
         let values = [1.0, 5.0, 5.0, 4.9, 5.0, 3.0, 2.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0];

@@ -138,8 +138,8 @@ mod tests {
     fn push(length_s: f64) -> impl Fn(f64) -> [f64; 2] {
         move |t: f64| {
             let u = (t / length_s).clamp(0.0, 1.0);
-            let way = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-            [0.111 - 0.023 * way, -0.023 / length_s * 30.0 * u * u * (1.0 - u) * (1.0 - u)]
+            let progress = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+            [0.111 - 0.023 * progress, -0.023 / length_s * 30.0 * u * u * (1.0 - u) * (1.0 - u)]
         }
     }
 

@@ -69,7 +69,7 @@ impl Spline {
         if n < 3 {
             return 0.0;
         }
-        let way = self.range().1 - self.range().0;
+        let travel = self.range().1 - self.range().0;
         let row = (self.time[n - 1] - self.time[0]) / (n - 1) as f64;
         let near = Cell::new(0);
         let missed = |half: Spline| {
@@ -77,7 +77,7 @@ impl Spline {
             (each.sum::<f64>() * row).abs()
         };
         let worst = self.halves().map(missed).fold(0.0, f64::max);
-        (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / way.max(noise)
+        (0.25 * worst).hypot(noise * row * (n as f64).sqrt()) / travel.max(noise)
     }
 
     /// The two curves through every second knot and the ends, with this curve's slopes at the ends.

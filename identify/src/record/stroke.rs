@@ -334,13 +334,13 @@ mod tests {
     }
 
     #[test]
-    fn a_record_begins_at_rest_however_few_rows_of_it_show_that_and_in_motion_where_none_does() {
+    fn a_record_begins_at_rest_if_even_few_rows_show_it_and_else_in_motion() {
         let steady = |u: f64| u;
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let moves: [&dyn Fn(f64) -> f64; 2] = [&steady, &smooth];
-        for (way, noise_m) in moves.into_iter().zip([1e-5, 2e-6]) {
+        for (form, noise_m) in moves.into_iter().zip([1e-5, 2e-6]) {
             for rest in 0..12u32 {
-                let push = |i: f64| 0.1 - 0.05 * way(((i - f64::from(rest)) / 30.0).clamp(0.0, 1.0));
+                let push = |i: f64| 0.1 - 0.05 * form(((i - f64::from(rest)) / 30.0).clamp(0.0, 1.0));
                 let mut random = crate::synthetic::Random::new(u64::from(rest));
                 // Row by row; the first one lies within the push if there is no rest.
                 let first = if rest == 0 { 10.0 } else { 0.0 };
@@ -360,7 +360,7 @@ mod tests {
     #[test]
     fn small_steps_of_a_hand_before_a_push_are_moves_however_fast_the_rows_follow() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        let step = |t: f64, begin: f64, way: f64| way * smooth(((t - begin) / 0.065).clamp(0.0, 1.0));
+        let step = |t: f64, begin: f64, travel_m: f64| travel_m * smooth(((t - begin) / 0.065).clamp(0.0, 1.0));
         // 0.35 and 0.45 mm of 6 mm, 7 µm from row to row.
         let hand = |t: f64| 7e-3 + step(t, 0.14, 3.5e-4) + step(t, 0.24, 4.5e-4) + step(t, 0.37, 5.2e-3);
         let mut random = crate::synthetic::Random::new(7);
@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_push_whose_way_from_row_to_row_is_lost_in_the_noise_is_a_move() {
+    fn a_slow_push_whose_travel_from_row_to_row_is_lost_in_the_noise_is_a_move() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         let push = |t: f64| 0.03 - 0.012 * smooth(((t - 0.3) / 1.0).clamp(0.0, 1.0));
         let mut random = crate::synthetic::Random::new(9);
@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn the_corner_of_a_piston_that_leaves_at_once_or_is_stopped_is_followed_between_rows() {
+    fn the_corner_of_a_sudden_start_or_stop_is_followed_between_rows() {
         const NOISE_M: f64 = 5e-6;
         for (row_s, corner_s) in [(0.02, 0.5031), (0.01, 0.5072), (0.004, 0.5011), (0.002, 0.5007), (2e-4, 0.50013)] {
             let leaves = |t: f64| 0.07 + 0.07 * (-(t - corner_s).max(0.0) / 0.12).exp();
@@ -481,12 +481,12 @@ mod tests {
     }
 
     #[test]
-    fn a_hold_between_two_gentle_moves_has_neither_the_end_of_one_nor_the_begin_of_the_other() {
+    fn a_hold_between_two_gentle_moves_contains_neither_the_end_of_one_nor_the_begin_of_the_other() {
         let smooth = |u: f64| u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
         for (length_s, row_s, rows) in [(0.9, 1e-3, 5500), (2.0, 5e-4, 15_000), (1.0, 2e-4, 28_000)] {
-            let way = |t: f64, begin: f64, length_s: f64| smooth(((t - begin) / length_s).clamp(0.0, 1.0));
+            let progress = |t: f64, begin: f64, length_s: f64| smooth(((t - begin) / length_s).clamp(0.0, 1.0));
             let back = 1.3 + length_s;
-            let stroke = |t: f64| 0.04 - 0.028 * (way(t, 0.3, length_s) - way(t, back, 1.4 * length_s));
+            let stroke = |t: f64| 0.04 - 0.028 * (progress(t, 0.3, length_s) - progress(t, back, 1.4 * length_s));
             let (motion, worst) = worst_of(stroke, rows, row_s, 1e-5);
             let phases: Vec<Phase> = motion.segments.iter().map(|s| s.phase).collect();
             assert_eq!(phases, [Phase::Rest, Phase::Move, Phase::Hold, Phase::Move, Phase::Hold], "{length_s} s");

@@ -104,7 +104,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn a_curve_errs_no_more_than_is_said_of_it_and_not_much_less() {
+    fn the_error_of_a_curve_is_of_the_stated_size() {
         const NOISE_M: f64 = 1e-5;
         let near = Cell::new(0);
         for (rows, turns) in [(1000, 1.0), (3000, 3.0), (3000, 0.25)] {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_noisy_move_is_followed_closer_than_its_rows_are_known() {
+    fn the_curve_of_a_long_noisy_move_is_more_accurate_than_its_rows() {
         let mut random = Random::new(8);
         let truth = |t: f64| 1.0 + 0.4 * (1.3 * t).sin();
         let (t, x): (Vec<f64>, Vec<f64>) =
@@ -154,8 +154,8 @@ mod tests {
         let near = Cell::new(0);
         let (mut off, mut speed_off): (f64, f64) = (0.0, 0.0);
         for between in t[50..950].iter().map(|t| t + 0.007) {
-            let (place, speed) = curve.at(between, &near);
-            off += (place - truth(between)).powi(2) / 900.0;
+            let (position, speed) = curve.at(between, &near);
+            off += (position - truth(between)).powi(2) / 900.0;
             speed_off += (speed - 0.52 * (1.3 * between).cos()).powi(2) / 900.0;
         }
         assert!(off.sqrt() < 0.6e-5, "{}", off.sqrt());
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piston_that_starts_at_once_and_tends_to_its_end_is_followed_closer_than_its_rows_are_known() {
+    fn the_curve_of_an_exponential_move_is_more_accurate_than_its_rows() {
         const ROW_S: f64 = 0.002;
         // Rounded to 0.1 mm, and at 5 µm of noise.
         for (step_m, noise_m) in [(1e-4, 2e-6), (1e-6, 5e-6)] {
@@ -179,12 +179,12 @@ mod tests {
             let known_m: f64 = noise_m.hypot(step_m / 12.0f64.sqrt());
             let curve = through(&t, &x, [None, None], known_m);
             let near = Cell::new(0);
-            let places: Vec<f64> =
+            let times: Vec<f64> =
                 (0..5000).map(|k| f64::from(k) * 2e-4).filter(|t| (t - begin).abs() > 2.0 * ROW_S).collect();
             let off = |t: &f64| (curve.at(*t, &near).0 - stroke(t - begin)).powi(2);
-            let rms = (places.iter().map(off).sum::<f64>() / places.len() as f64).sqrt();
+            let rms = (times.iter().map(off).sum::<f64>() / times.len() as f64).sqrt();
             let rectified = |speed: f64| speed.abs().powf(0.8);
-            let tail: Vec<&f64> = places.iter().filter(|t| **t > 0.5).collect();
+            let tail: Vec<&f64> = times.iter().filter(|t| **t > 0.5).collect();
             let shown = tail.iter().map(|t| rectified(curve.at(**t, &near).1)).sum::<f64>();
             let truth = tail.iter().map(|t| rectified(speed(**t - begin))).sum::<f64>();
             assert!(

@@ -22,7 +22,7 @@ const DEVIATIONS: f64 = 4.0;
 /// A stop of fewer rows shows no travel.
 const FEW_ROWS: usize = 10;
 /// Least travel of a turn at an end of the record, over the noise.
-const LEAST_WAY: f64 = 5.0;
+const LEAST_TRAVEL: f64 = 5.0;
 
 /// Rows on either side of a row that decide whether it moves: in this many rows of a move the piston may still stand.
 pub const REACH: usize = 3;
@@ -34,7 +34,7 @@ pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noi
     if (at_begin || at_end) && !is_short {
         let without = |is_end: bool| if is_end { 0 } else { REACH };
         let stands = stop.start + without(at_begin)..stop.end - without(at_end);
-        if stands.is_empty() || way(&position_m[stands]) < LEAST_WAY * noise_m {
+        if stands.is_empty() || travel(&position_m[stands]) < LEAST_TRAVEL * noise_m {
             return false;
         }
     }
@@ -57,7 +57,7 @@ pub fn is_turn(position_m: &[f64], stop: Range<usize>, around: Range<usize>, noi
 }
 
 /// Range of the means of twelfths of these rows, m.
-fn way(position_m: &[f64]) -> f64 {
+fn travel(position_m: &[f64]) -> f64 {
     const PARTS: usize = 12;
     let means: Vec<f64> = position_m.chunks((position_m.len() / PARTS).max(1)).map(mean).collect();
     let (low, high) = extremes(&means);

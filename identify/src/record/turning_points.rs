@@ -3,18 +3,18 @@
 use records::extremes;
 
 /// A piston turns where it comes back by this fraction of its travel...
-const WAY_BACK: f64 = 0.02;
+const REVERSAL: f64 = 0.02;
 /// ...and by this multiple of the noise of its positions.
-const WAY_BACK_IN_NOISE: f64 = 10.0;
+const REVERSAL_IN_NOISE: f64 = 10.0;
 
 /// Rows at which the piston turns, from its positions, m, with this noise, m.
 pub fn turning_points(position_m: &[f64], noise_m: f64) -> Vec<usize> {
     let (low, high) = extremes(position_m);
-    by_way_back(position_m, (WAY_BACK * (high - low)).max(WAY_BACK_IN_NOISE * noise_m))
+    reversals(position_m, (REVERSAL * (high - low)).max(REVERSAL_IN_NOISE * noise_m))
 }
 
 /// Rows at which a position, m, turns: it comes back by more than `least_m` from there.
-fn by_way_back(position_m: &[f64], least_m: f64) -> Vec<usize> {
+fn reversals(position_m: &[f64], least_m: f64) -> Vec<usize> {
     let mut out = Vec::new();
     // The extreme positions since the last turn; in both directions before the first one.
     let (mut highest, mut lowest) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));

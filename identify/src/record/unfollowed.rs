@@ -35,31 +35,31 @@ mod tests {
         let shape = random.one_of(&Shape::ALL);
         let pushed = Move { begin_s: begin, length_s: length, ends_m: [0.0, 1.0], shape };
         let stroke = Stroke { moves: vec![pushed], creep_m_per_s: 0.0 };
-        let way = |t: f64| stroke.at(t, t).0;
+        let progress = |t: f64| stroke.at(t, t).0;
         let times: Vec<f64> = (-2..5).map(f64::from).collect();
-        let readings = times.iter().map(|t| way(*t)).collect();
+        let readings = times.iter().map(|t| progress(*t)).collect();
         let curve = Spline::through(times, readings, [Some(0.0); 2]);
         if curve.knots_inside() > 1 {
             return None;
         }
         let ratio = random.log_uniform(1.5, 3.0).powf(random.one_of(&[-1.0, 1.0]));
-        let heat = |way: f64| {
-            let volume = 1.0 + (1.0 / ratio - 1.0) * way;
+        let heat = |progress: f64| {
+            let volume = 1.0 + (1.0 / ratio - 1.0) * progress;
             (volume.powf(-0.4) - 1.0) * 0.5 * (1.0 + volume)
         };
         let near = Cell::new(0);
-        let [mut by_heat, mut by_way] = [0.0; 2];
+        let [mut by_heat, mut by_progress] = [0.0; 2];
         for k in 0..STEPS {
             let t = -2.0 + 6.0 * (k as f64 + 0.5) / STEPS as f64;
-            let (truth, found) = (way(t), curve.at(t, &near).0);
+            let (truth, found) = (progress(t), curve.at(t, &near).0);
             by_heat += (heat(truth) - heat(found)) / heat(1.0);
-            by_way += truth - found;
+            by_progress += truth - found;
         }
-        Some(6.0 / STEPS as f64 * (by_heat - by_way))
+        Some(6.0 / STEPS as f64 * (by_heat - by_progress))
     }
 
     #[test]
-    fn the_gas_knows_a_course_to_the_stated_share_of_the_time_between_readings() {
+    fn the_unknown_course_of_a_move_shifts_it_by_the_stated_fraction_of_the_time_between_readings() {
         let mut random = Random::new(17);
         let shifts: Vec<f64> = (0..4000).filter_map(|_| beyond_mean(&mut random)).collect();
         let rms = (shifts.iter().map(|s| s * s).sum::<f64>() / shifts.len() as f64).sqrt();

@@ -49,13 +49,13 @@ impl Declared {
     }
 
     /// Units in which a pressure, Pa as declared, is that of compressed air.
-    pub fn of_level(&self, pa: f64) -> Vec<&'static str> {
+    pub fn units_by_level(&self, pa: f64) -> Vec<&'static str> {
         self.plausible(|read| COMPRESSED_AIR_PA.contains(&read(pa)))
     }
 
     /// Units in which pressures, Pa as declared, respond to volumes that change by `factor` as an enclosed gas does: P ∝ V⁻ⁿ,
     /// with n between one and the adiabatic exponent, and less with a dead volume.
-    pub fn of_answer(&self, (least, most): (f64, f64), factor: f64) -> Vec<&'static str> {
+    pub fn units_by_response(&self, (least, most): (f64, f64), factor: f64) -> Vec<&'static str> {
         self.plausible(|read| {
             read(least) > 0.0 && (0.6..1.5).contains(&((read(most) / read(least)).ln() / factor.ln()))
         })

@@ -23,14 +23,14 @@ const FAULTY: f64 = 2.0;
 /// Number of coefficients of a zero and a drift, which each record may have.
 const ZERO_AND_DRIFT: usize = 2;
 
-/// How much the records of a test differ from each other.
+/// Differences between the records of a test.
 struct Test {
     /// The record that differs most from the others, or both of two.
     suspects: Vec<usize>,
     /// That difference, over the range of its pressures.
-    differ: f64,
+    difference: f64,
     /// Difference of each of the others from the rest of them, or of each of two from the other one.
-    usual: Vec<f64>,
+    other_differences: Vec<f64>,
 }
 
 /// The records that are unlike their repeats, by a model's residuals in all rows, Pa; both of two that are unlike each other.
@@ -40,13 +40,14 @@ pub fn among(data: &Data, residuals: &[Vec<f64>]) -> Vec<usize> {
     let is_unlike = |(number, test): &(usize, &Test)| {
         let is_pair = test.suspects.len() > 1;
         let tell = tests.iter().enumerate().filter(|(other, _)| !is_pair || other != number);
-        let mut usual: Vec<f64> = tell.flat_map(|(_, test)| test.usual.iter().copied()).collect();
-        if usual.len() < FEWEST_OTHERS {
+        let mut other_differences: Vec<f64> =
+            tell.flat_map(|(_, test)| test.other_differences.iter().copied()).collect();
+        if other_differences.len() < FEWEST_OTHERS {
             return false;
         }
-        usual.sort_by(f64::total_cmp);
-        let usual = usual[((1.0 - ALL_BUT) * (usual.len() - 1) as f64) as usize];
-        test.differ > TIMES * usual.max(data.noise.total_pa() / range_pa(&data.traces[test.suspects[0]]))
+        other_differences.sort_by(f64::total_cmp);
+        let usual = other_differences[((1.0 - ALL_BUT) * (other_differences.len() - 1) as f64) as usize];
+        test.difference > TIMES * usual.max(data.noise.total_pa() / range_pa(&data.traces[test.suspects[0]]))
     };
     tests.iter().enumerate().filter(is_unlike).flat_map(|(_, test)| test.suspects.iter().copied()).collect()
 }
@@ -54,9 +55,10 @@ pub fn among(data: &Data, residuals: &[Vec<f64>]) -> Vec<usize> {
 /// Compares the records of a test, if there are repeats with the same course.
 fn compared(data: &Data, residuals: &[Vec<f64>], experiment: usize) -> Option<Test> {
     let noise_pa = data.noise.total_pa();
-    let differs = |k: usize, from: &[usize]| {
+    let difference_of = |k: usize, from: &[usize]| {
         let by_noise = noise_pa * (1.0 + 1.0 / from.len() as f64).sqrt();
-        (differs_by(data, residuals, k, from).powi(2) - by_noise.powi(2)).max(0.0).sqrt() / range_pa(&data.traces[k])
+        (rms_difference(data, residuals, k, from).powi(2) - by_noise.powi(2)).max(0.0).sqrt()
+            / range_pa(&data.traces[k])
     };
     let without = |of: &[usize], k: usize| of.iter().copied().filter(|other| *other != k).collect::<Vec<usize>>();
     let own = repeats::of(data, experiment);
@@ -64,14 +66,14 @@ fn compared(data: &Data, residuals: &[Vec<f64>], experiment: usize) -> Option<Te
         return None;
     }
     if let [one, other] = own[..] {
-        let differ = differs(one, &[other]);
-        return Some(Test { suspects: own, differ, usual: vec![differ; 2] });
+        let difference = difference_of(one, &[other]);
+        return Some(Test { suspects: own, difference, other_differences: vec![difference; 2] });
     }
-    let each = own.iter().map(|k| (*k, differs(*k, &without(&own, *k))));
-    let (suspect, differ) = each.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let all = own.iter().map(|k| (*k, difference_of(*k, &without(&own, *k))));
+    let (suspect, difference) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let others = without(&own, suspect);
-    let usual = others.iter().map(|k| differs(*k, &without(&others, *k))).collect();
-    Some(Test { suspects: vec![suspect], differ, usual })
+    let other_differences = others.iter().map(|k| difference_of(*k, &without(&others, *k))).collect();
+    Some(Test { suspects: vec![suspect], difference, other_differences })
 }
 
 /// Of two repeats that were left out, the one that a model fitted without them describes much better than the other one.
@@ -107,12 +109,12 @@ fn range_pa(t: &Prepared) -> f64 {
 
 /// Root mean square, about a straight line in time, of a model's residual in a record less its mean residual in others, in rests
 /// and holds, Pa.
-fn differs_by(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usize]) -> f64 {
+fn rms_difference(data: &Data, residuals: &[Vec<f64>], record: usize, others: &[usize]) -> f64 {
     let all: Vec<usize> = [&[record], others].concat();
     let traces: Vec<&Prepared> = all.iter().map(|k| &data.traces[*k]).collect();
     let (mut times, mut differences) = (Vec::new(), Vec::new());
     for (segment, _) in traces[0].course.motion.segments.iter().enumerate().filter(|(_, s)| s.phase != Phase::Move) {
-        let rows = repeats::data_beside_each_other(&traces, segment);
+        let rows = repeats::aligned_data_rows(&traces, segment);
         let left = |k: usize, i: usize| residuals[all[k]][rows[k][i]];
         let of_others = |i: usize| (1..all.len()).map(|k| left(k, i)).sum::<f64>() / others.len() as f64;
         // Behind rows that one of them lacks, the alignment pairs rows of different times.
@@ -200,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_all_repeats_differ_by_leaves_none_of_them_out() {
+    fn a_difference_between_all_repeats_leaves_none_of_them_out() {
         let data = Data::prepare(&rig(|_, _, _| ())).unwrap();
         let (data, fit) = baseline::fitted(data).unwrap();
         let mut residuals = misfit::residuals(&data, &fit);
@@ -215,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_test_of_three_repeats_tells_of_none_that_it_is_unlike_the_others() {
+    fn a_single_test_of_three_repeats_does_not_show_that_one_is_unlike_the_others() {
         let mut frozen = rig(|t, p, _| *p = if (1.0..2.5).contains(&t) { 4.5e5 } else { *p });
         frozen.experiments = vec![frozen.experiments.swap_remove(1)];
         assert!(left_out_of(&frozen).0.is_empty());

@@ -20,11 +20,11 @@ const SHORT: f64 = 8.0;
 
 /// Whether most of the travel of a record averaged over `window`, s, is in moves hardly longer than that.
 pub fn hides_moves(motion: &Motion, window: f64) -> bool {
-    let way = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
+    let travel = |is_asked: &dyn Fn(&Segment) -> bool| -> f64 {
         let moves = motion.segments.iter().filter(|s| s.phase == Phase::Move && is_asked(s));
         moves.map(|s| s.stroke.range()).map(|(low, high)| high - low).sum()
     };
-    way(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * way(&|_| true)
+    travel(&|s| s.to_s - s.from_s < SHORT * window) > 0.5 * travel(&|_| true)
 }
 
 /// A stroke whose record is a moving average.
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_stroke_taken_back_is_of_the_size_that_is_stated() {
+    fn the_error_of_a_stroke_recovered_from_an_average_is_of_the_stated_size() {
         for length in [0.05, 0.08, 0.12] {
             let (truth, motion) = push(length);
             let stroke = TrueStroke::new(&motion, 0.04, 0.0, false);

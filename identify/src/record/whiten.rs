@@ -28,9 +28,9 @@ pub const RELAXING: usize = 3;
 /// rounding.
 const MOST: usize = FLICKER_COLOURS + IN_COMMON + 3;
 
-/// Where and how one mean of readings was taken. Times in s, standard deviations in Pa.
+/// One mean of readings as the filter observes it: its time and the errors in it. Times in s, standard deviations in Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct Observation {
     /// Start of the mean.
     pub begin_s: f64,
     /// Its end; equal to the start for a single reading.
@@ -63,7 +63,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(noise: &Noise, places: &[Place]) -> Self {
+    fn of(noise: &Noise, observations: &[Observation]) -> Self {
         let colours = noise.colours.len().min(FLICKER_COLOURS);
         let mut count = colours;
         let mut next = |wanted: bool, states: usize| {
@@ -71,14 +71,14 @@ impl Layout {
             wanted.then(|| count - states)
         };
         let hum = next(noise.hum.is_some(), 2);
-        let held = next(places.iter().any(|p| p.common_sd_pa != [0.0; IN_COMMON]), IN_COMMON);
-        let dwell = next(places.iter().any(|p| p.rounding_sd_pa > 0.0), 1);
+        let held = next(observations.iter().any(|p| p.common_sd_pa != [0.0; IN_COMMON]), IN_COMMON);
+        let dwell = next(observations.iter().any(|p| p.rounding_sd_pa > 0.0), 1);
         Self { colours, hum, held, dwell, count }
     }
 
     /// States that restart at this mean, given the one before.
-    fn renewed(&self, place: &Place, before: Option<&Place>) -> impl Iterator<Item = usize> + use<> {
-        let segment = before.is_none_or(|b| b.segment != place.segment);
+    fn renewed(&self, observation: &Observation, before: Option<&Observation>) -> impl Iterator<Item = usize> + use<> {
+        let segment = before.is_none_or(|b| b.segment != observation.segment);
         self.held.filter(|_| segment).map(|at| at..at + IN_COMMON).into_iter().flatten()
     }
 }
@@ -102,9 +102,9 @@ pub struct Whitener {
 }
 
 impl Whitener {
-    /// For means at these places, with this noise.
-    pub fn new(noise: &Noise, places: &[Place]) -> Self {
-        let layout = Layout::of(noise, places);
+    /// For these means, with this noise.
+    pub fn new(noise: &Noise, observations: &[Observation]) -> Self {
+        let layout = Layout::of(noise, observations);
         let mut covariance = [[0.0; MOST]; MOST];
         for (k, colour) in noise.colours.iter().take(layout.colours).enumerate() {
             covariance[k][k] = colour.sd_pa * colour.sd_pa;
@@ -116,16 +116,16 @@ impl Whitener {
         if let Some(at) = layout.dwell {
             covariance[at][at] = 1.0;
         }
-        let mut steps: Vec<Step> = Vec::with_capacity(places.len());
-        for (i, place) in places.iter().enumerate() {
-            for state in layout.renewed(place, i.checked_sub(1).map(|b| &places[b])) {
+        let mut steps: Vec<Step> = Vec::with_capacity(observations.len());
+        for (i, observation) in observations.iter().enumerate() {
+            for state in layout.renewed(observation, i.checked_sub(1).map(|b| &observations[b])) {
                 renew(&mut covariance, state);
                 // A state that restarts forgets its past.
                 if let Some(before) = steps.last_mut() {
                     (before.keep[state], before.gain[state]) = (0.0, 0.0);
                 }
             }
-            steps.push(step(&layout, noise, place, places.get(i + 1), &mut covariance));
+            steps.push(step(&layout, noise, observation, observations.get(i + 1), &mut covariance));
         }
         Self { layout, steps }
     }
@@ -194,13 +194,19 @@ fn renew(covariance: &mut [Vector; MOST], state: usize) {
 }
 
 /// The filter's step at one mean; carries the covariance to the next one.
-fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, covariance: &mut [Vector; MOST]) -> Step {
+fn step(
+    layout: &Layout,
+    noise: &Noise,
+    observation: &Observation,
+    next: Option<&Observation>,
+    covariance: &mut [Vector; MOST],
+) -> Step {
     let count = layout.count;
-    let length = place.end_s - place.begin_s;
-    let gap = next.map_or(0.0, |n| (n.begin_s - place.end_s).max(0.0));
+    let length = observation.end_s - observation.begin_s;
+    let gap = next.map_or(0.0, |n| (n.begin_s - observation.end_s).max(0.0));
     let mut out = Step { observe: [0.0; MOST], keep: [1.0; MOST], turn: [0.0; 2], gain: [0.0; MOST], per_sd: 0.0 };
     let (mut cross, mut added) = ([0.0; MOST], [0.0; MOST]);
-    let mut own = place.variance;
+    let mut own = observation.variance;
     for (k, colour) in noise.colours.iter().take(layout.colours).enumerate() {
         let (variance, u) = (colour.sd_pa * colour.sd_pa, length / colour.time_s);
         let [g, f] = averages(u);
@@ -213,8 +219,8 @@ fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, cov
     if let (Some(at), Some(hum)) = (layout.hum, noise.hum) {
         let angle = 0.5 * TAU * hum.frequency_hz * length;
         out.observe[at] = if angle > 1e-6 { angle.sin() / angle } else { 1.0 };
-        let middle = |p: &Place| 0.5 * (p.begin_s + p.end_s);
-        let ahead = next.map_or(0.0, |n| middle(n) - middle(place));
+        let middle = |p: &Observation| 0.5 * (p.begin_s + p.end_s);
+        let ahead = next.map_or(0.0, |n| middle(n) - middle(observation));
         let damping = (-ahead / hum.coherence_s).exp();
         let (sin, cos) = (TAU * hum.frequency_hz * ahead).sin_cos();
         out.turn = [cos * damping, sin * damping];
@@ -222,10 +228,10 @@ fn step(layout: &Layout, noise: &Noise, place: &Place, next: Option<&Place>, cov
         added[at + 1] = added[at];
     }
     if let Some(at) = layout.held {
-        out.observe[at..at + IN_COMMON].copy_from_slice(&place.common_sd_pa);
+        out.observe[at..at + IN_COMMON].copy_from_slice(&observation.common_sd_pa);
     }
     if let Some(at) = layout.dwell {
-        out.observe[at] = place.rounding_sd_pa;
+        out.observe[at] = observation.rounding_sd_pa;
         out.keep[at] = next.map_or(0.0, |n| n.rounding_keeps);
         added[at] = 1.0 - out.keep[at] * out.keep[at];
     }
@@ -277,12 +283,13 @@ mod tests {
     use crate::record::noise::{Colour, Hum};
 
     /// The covariance of the means, written out.
-    fn covariance(noise: &Noise, places: &[Place]) -> DMatrix<f64> {
-        DMatrix::from_fn(places.len(), places.len(), |i, j| {
-            let (a, b) = if i <= j { (&places[i], &places[j]) } else { (&places[j], &places[i]) };
+    fn covariance(noise: &Noise, observations: &[Observation]) -> DMatrix<f64> {
+        DMatrix::from_fn(observations.len(), observations.len(), |i, j| {
+            let (a, b) =
+                if i <= j { (&observations[i], &observations[j]) } else { (&observations[j], &observations[i]) };
             let mut sum = if i == j { a.variance } else { 0.0 };
             for colour in &noise.colours {
-                let u = |p: &Place| (p.end_s - p.begin_s) / colour.time_s;
+                let u = |p: &Observation| (p.end_s - p.begin_s) / colour.time_s;
                 let share = match i == j {
                     true => averages(u(a))[1],
                     false => averages(u(a))[0] * averages(u(b))[0] * (-(b.begin_s - a.end_s) / colour.time_s).exp(),
@@ -290,7 +297,7 @@ mod tests {
                 sum += colour.sd_pa * colour.sd_pa * share;
             }
             if let Some(hum) = noise.hum {
-                let weight = |p: &Place| {
+                let weight = |p: &Observation| {
                     let angle = 0.5 * TAU * hum.frequency_hz * (p.end_s - p.begin_s);
                     if angle > 0.0 { angle.sin() / angle } else { 1.0 }
                 };
@@ -305,7 +312,7 @@ mod tests {
                 sum += (0..IN_COMMON).map(|k| a.common_sd_pa[k] * b.common_sd_pa[k]).sum::<f64>();
             }
             let (first, last) = (i.min(j), i.max(j));
-            let kept: f64 = places[first + 1..=last].iter().map(|p| p.rounding_keeps).product();
+            let kept: f64 = observations[first + 1..=last].iter().map(|p| p.rounding_keeps).product();
             sum + kept * a.rounding_sd_pa * b.rounding_sd_pa
         })
     }
@@ -317,7 +324,7 @@ mod tests {
             hum: Some(Hum { sd_pa: 2.0, frequency_hz: 0.7, coherence_s: 3.0 }),
             ..Noise::white(1.0)
         };
-        let place = |k: usize| Place {
+        let observation = |k: usize| Observation {
             begin_s: 0.1 * k as f64,
             end_s: 0.1 * k as f64 + if k.is_multiple_of(3) { 0.0 } else { 0.08 },
             variance: 1.0 + 0.1 * k as f64,
@@ -326,13 +333,13 @@ mod tests {
             rounding_sd_pa: if k > 4 { 1.2 } else { 0.0 },
             rounding_keeps: if k.is_multiple_of(4) { 0.0 } else { 0.7 },
         };
-        let places: Vec<Place> = (0..14).map(place).collect();
-        let whitener = Whitener::new(&noise, &places);
+        let observations: Vec<Observation> = (0..14).map(observation).collect();
+        let whitener = Whitener::new(&noise, &observations);
         let mut root = DMatrix::identity(14, 14);
         whitener.apply_to(&mut root);
-        let product = root.transpose() * root * covariance(&noise, &places);
+        let product = root.transpose() * root * covariance(&noise, &observations);
         assert!((product - DMatrix::<f64>::identity(14, 14)).norm() < 1e-9);
-        let determinant = covariance(&noise, &places).determinant().ln();
+        let determinant = covariance(&noise, &observations).determinant().ln();
         assert!((whitener.log_determinant_of(14) - determinant).abs() < 1e-9);
     }
 }

@@ -80,7 +80,7 @@ mod tests {
     use chamber::effects::{GasColumnLength, find};
 
     #[test]
-    fn a_delay_within_a_row_is_alike_to_a_lag_that_the_search_did_not_come_to() {
+    fn a_delay_within_a_row_is_indistinguishable_from_a_lag_that_the_search_did_not_reach() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("sensor_lag", &[1.5e-3]) };
         let mut search = Search::after_first_fit(&recipe);
         let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rival_with_a_number_that_nothing_needs_is_alike_without_it() {
+    fn a_rival_is_indistinguishable_without_the_parameter_that_it_does_not_need() {
         let [column, surface, exponent] =
             ["gas_column_length", "dead_volume_surface", "pressure_exponent"].map(|name| find(name).unwrap().0);
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(surface, 0.3);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_of_the_dead_volume_has_no_more_evidence_than_a_columns_length_because_the_gas_is_off() {
+    fn a_wrong_gas_gives_the_dead_volume_surface_no_more_evidence_than_the_gas_column_length() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with_strength(GasColumnLength::INDEX, 1.0);
         recipe.faults.stated.heat_capacity_ratio_times = 0.999;
         let mut search = Search::after_first_fit(&recipe);

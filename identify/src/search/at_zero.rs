@@ -17,19 +17,19 @@ use crate::record::data::Data;
 /// As [`search_as_stated`].
 pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     let (data, found) = search_as_stated(data, progress)?;
-    let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
+    let Some(tolerances) = favoured_move(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, with the positions' zero moved"), share);
     let elsewhere = search_as_stated(data.clone().with_zero_moved(tolerances), &again);
     Ok(moved::which_counts((data, found), elsewhere))
 }
 
 /// Move of the zero, in tolerances, where the records leave little doubt of it.
-fn asked(found: &Found) -> Option<f64> {
+fn favoured_move(found: &Found) -> Option<f64> {
     let reported = &found.reported().model;
     let is_near = |c: &&Candidate| terms::is_part(&c.model, reported) && c.model.terms() + 1 >= reported.terms();
     let near = found.tried.iter().chain([&found.baseline, found.reported()]).filter(is_near);
-    let asks = near.filter_map(|c| Some((c.delta_bic, moved::asked(&c.fit, Slot::PositionZero)?)));
-    asks.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tolerances)| tolerances)
+    let favoured = near.filter_map(|c| Some((c.delta_bic, moved::favoured_move(&c.fit, Slot::PositionZero)?)));
+    favoured.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tolerances)| tolerances)
 }
 
 #[cfg(test)]

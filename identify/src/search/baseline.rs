@@ -24,7 +24,7 @@ pub fn fitted(data: Data) -> Result<(Data, Fit), Error> {
         return Ok((data, first));
     }
     let data = data.with_noise(noise);
-    let again = fit::fit(&data, &first.hypothesis, first.rig.clone(), first.own.clone(), &fit::all_blocks(&data));
+    let again = fit::fit(&data, &first.hypothesis, first.rig.clone(), first.records.clone(), &fit::all_blocks(&data));
     let fit = again.map_err(|(k, source)| Error::Simulation { trace: data.traces[k].path.clone(), source })?;
     Ok((data, fit))
 }
@@ -64,7 +64,7 @@ fn from_scratch(data: &Data) -> Result<Fit, Error> {
     let from = |offset: f64| {
         let mut x = h.coordinates(&first);
         x[0] += offset;
-        fit::fit(data, &h, x, h.first_owns(data), &selection)
+        fit::fit(data, &h, x, h.record_guesses(data), &selection)
     };
     // λ0 may be far from the first guess: the best of three starts.
     let farther = || [FIRST_GUESS_REACH, -FIRST_GUESS_REACH].into_par_iter().map(from).collect::<Vec<_>>();

@@ -4,7 +4,7 @@
 
 use super::{Candidate, Found, Search, Verdict, contradictions, terms};
 use crate::error::Error;
-use crate::judge::{adequacy, kinds};
+use crate::judge::{adequacy, test_dependence};
 use crate::policy;
 use crate::record::data::Data;
 
@@ -12,10 +12,10 @@ impl Search {
     /// Reaches a verdict; returns it with the data as the search has weighted them.
     pub(super) fn conclude(mut self) -> Result<(Data, Found), Error> {
         let (mut by_geometry, parts) = self.leave_out_unneeded();
-        let (mut verdict, mut follows_the_test, mut carries_over) = self.judged_as_a_whole();
+        let (mut verdict, mut depends_on_test, mut carries_over) = self.judged_as_a_whole();
         if verdict == Verdict::Explained && (self.try_further() || self.try_others_in_place(&parts)) {
             (by_geometry, _) = self.leave_out_unneeded();
-            (verdict, follows_the_test, carries_over) = self.judged_as_a_whole();
+            (verdict, depends_on_test, carries_over) = self.judged_as_a_whole();
         }
         if matches!(verdict, Verdict::Improved | Verdict::Unexplained) {
             self.refuse_pressures()?;
@@ -24,21 +24,21 @@ impl Search {
             self.try_other_timings();
         }
         if verdict != Verdict::Unexplained {
-            self.leave_earliness_to_the_records();
+            self.make_early_delay_per_record();
             self.try_leaner_rivals();
         }
         let mut alike = self.alike();
-        let settled = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
-        let read_off = match verdict {
+        let otherwise = if verdict == Verdict::Unexplained { &self.baseline } else { &self.chosen };
+        let curve_fit = match verdict {
             Verdict::Adequate => None,
             Verdict::Explained if self.chosen.model.of_rig().iter().count() < 2 => None,
-            Verdict::Explained => self.in_place_of(&self.chosen),
-            Verdict::Improved if self.is_settled() && !follows_the_test => None,
-            Verdict::Improved | Verdict::Unexplained => self.read_off(settled),
+            Verdict::Explained => self.curve_instead_of(&self.chosen),
+            Verdict::Improved if self.is_credibly_adequate() && !depends_on_test => None,
+            Verdict::Improved | Verdict::Unexplained => self.fit_curve(otherwise),
         };
-        if let Some(found) = read_off.as_ref().filter(|found| found.fate.is_accepted()) {
+        if let Some(found) = curve_fit.as_ref().filter(|found| found.fate.is_accepted()) {
             self.take_curve(&found.candidate);
-            follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+            depends_on_test = test_dependence::depends_on_test(&self.data, &self.chosen.fit);
             carries_over = self.carries_over();
             (verdict, alike) = (Verdict::Improved, Vec::new());
         }
@@ -51,21 +51,21 @@ impl Search {
             chosen_adequacy: self.chosen_adequacy,
             steps: self.steps,
             alike,
-            follows_the_test,
+            depends_on_test,
             carries_over,
             by_geometry,
-            read_off,
+            curve_fit,
         };
         contradictions::refuse(&self.data, &found)?;
         Ok((self.data, found))
     }
 
-    /// The verdict on the chosen model, whether its per-record terms follow the kind of test, and whether it carries over to
-    /// records left out whole.
+    /// The verdict on the chosen model, whether its per-record terms depend on the kind of test, and whether it carries over
+    /// to records left out whole.
     fn judged_as_a_whole(&self) -> (Verdict, bool, bool) {
-        let follows_the_test = kinds::follows_the_test(&self.data, &self.chosen.fit);
+        let depends_on_test = test_dependence::depends_on_test(&self.data, &self.chosen.fit);
         let carries_over = self.carries_over();
-        (self.verdict(follows_the_test, carries_over), follows_the_test, carries_over)
+        (self.verdict(depends_on_test, carries_over), depends_on_test, carries_over)
     }
 
     /// Tries the most promising sets with a further effect; returns whether one entered. With only noise left the rounds have
@@ -108,7 +108,7 @@ mod tests {
     use chamber::effects::{EffectSet, find};
 
     #[test]
-    fn a_further_effect_that_is_evident_beside_those_that_leave_noise_is_looked_for() {
+    fn a_further_effect_that_is_evident_beside_effects_that_leave_noise_is_tried() {
         let [column, surface] = ["gas_column_length", "dead_volume_surface"].map(|name| find(name).unwrap().0);
         let recipe = Recipe { noise_pa: 40.0, ..Recipe::from_seed(5) }.with_strength(column, 1.0);
         let mut search = Search::after_first_fit(&recipe.with_strength(surface, 1.0));
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_stands_for_another_one_beside_two_more_is_exchanged_for_it() {
+    fn an_effect_that_imitates_another_one_beside_two_more_is_exchanged_for_it() {
         let set = |names: [&str; 3]| names.map(|name| find(name).unwrap().0).into_iter().collect::<EffectSet>();
         let (truth, imitation) =
             (["leakage", "sensor_drift", "wall_heating"], ["laminar_leakage", "sensor_drift", "wall_heating"]);

@@ -35,7 +35,7 @@ pub(super) fn refuse(data: &Data, found: &Found) -> Result<(), Error> {
     if let Some(better) = found.better_than_reported(data) {
         sanity::dead_volume(data, &better.fit)?;
     }
-    if found.coefficient_stands_for().is_none() {
+    if found.set_with_plausible_coefficient().is_none() {
         sanity::coefficient(data, &found.reported().fit)?;
     }
     Ok(())
@@ -55,7 +55,7 @@ mod tests {
     use chamber::effects::NaturalConvection;
 
     #[test]
-    fn a_set_that_leaves_more_than_noise_does_not_enter_with_a_coefficient_that_no_gas_has() {
+    fn a_set_that_leaves_more_than_noise_does_not_enter_with_an_implausible_coefficient() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5).with("natural_convection", &[0.4]) };
         let mut search = Search::after_first_fit(&recipe);
         let model = Model::with(NaturalConvection::SET);

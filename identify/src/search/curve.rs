@@ -38,7 +38,7 @@ const NEARLY_AS_WELL: f64 = 1.1;
 
 /// The best curve found.
 #[derive(Clone, Debug)]
-pub struct ReadOff {
+pub struct CurveFit {
     /// The term, its variable, and its gain to first order.
     pub first_order: Missing,
     /// The model with the curve.
@@ -84,7 +84,7 @@ impl Fate {
 
 /// A refitted curve.
 #[derive(Clone)]
-struct Judged {
+struct JudgedCurve {
     first_order: Missing,
     candidate: Candidate,
     /// Error on experiments left out whole, Pa rms.
@@ -93,7 +93,7 @@ struct Judged {
     is_evident: bool,
 }
 
-impl Judged {
+impl JudgedCurve {
     /// Whether its coefficient is plausible for a gas. A share of λ leaves λ0 open, so that any value may result.
     fn is_possible(&self) -> bool {
         has_plausible_coefficient(&self.candidate.fit)
@@ -104,7 +104,7 @@ fn by_bic(a: &Candidate, b: &Candidate) -> Ordering {
     a.delta_bic.total_cmp(&b.delta_bic)
 }
 
-impl ReadOff {
+impl CurveFit {
     /// The refitted curve.
     pub fn curve(&self) -> Option<Curve> {
         curve_of(Empirical::INDEX, &self.candidate.fit.chamber())
@@ -114,47 +114,49 @@ impl ReadOff {
 impl Search {
     /// A curve in place of several named effects that together leave only noise: if it alone fits the records decisively better,
     /// the effects only imitate it.
-    pub(super) fn in_place_of(&self, named: &Candidate) -> Option<ReadOff> {
+    pub(super) fn curve_instead_of(&self, named: &Candidate) -> Option<CurveFit> {
         let curves = self.curves_on(&self.baseline, named.delta_bic + policy::DECISIVE, 0.0);
         let evident = curves.into_iter().filter(|c| c.is_evident && c.is_possible());
         let best = self.refitted_fully(evident.max_by(|a, b| by_bic(&a.candidate, &b.candidate))?);
         let left_out_pa = self.left_out(named)?;
-        best.is_possible().then(|| self.told(best, left_out_pa, Fate::Accepted))
+        best.is_possible().then(|| self.curve_fit(best, left_out_pa, Fate::Accepted))
     }
 
     /// Looks for a curve beside the model reported otherwise; `None` where none can be fitted.
-    pub(super) fn read_off(&self, settled: &Candidate) -> Option<ReadOff> {
+    pub(super) fn fit_curve(&self, otherwise: &Candidate) -> Option<CurveFit> {
         let mut parts = vec![&self.baseline];
         if self.chosen.model != Model::PAPER {
             parts.push(&self.chosen);
         }
-        let (settled_pa, paper_pa) = (self.left_out(settled)?, self.left_out(&self.baseline)?);
-        let fails_on_others = self.data.experiments.len() > 1 && !self.predicts_as_it_fits(settled, settled_pa);
+        let (otherwise_pa, paper_pa) = (self.left_out(otherwise)?, self.left_out(&self.baseline)?);
+        let fails_on_others = self.data.experiments.len() > 1 && !self.predicts_as_it_fits(otherwise, otherwise_pa);
         let least_share = if fails_on_others { 0.0 } else { LEAST_SHARE };
-        let curves_on = |part| self.curves_on(part, settled.delta_bic, least_share);
-        let mut curves: Vec<Judged> = parts.into_par_iter().flat_map_iter(curves_on).collect();
+        let curves_on = |part| self.curves_on(part, otherwise.delta_bic, least_share);
+        let mut curves: Vec<JudgedCurve> = parts.into_par_iter().flat_map_iter(curves_on).collect();
         // Whether names are replaced is judged by the error on the usual folds.
-        let in_place_of_names = curves.par_iter_mut().filter(|c| c.candidate.model.terms() <= settled.model.terms());
+        let in_place_of_names = curves.par_iter_mut().filter(|c| c.candidate.model.terms() <= otherwise.model.terms());
         in_place_of_names.for_each(|c| self.hold_out(&mut c.candidate));
-        let acceptable = |c: &&Judged| {
+        let acceptable = |c: &&JudgedCurve| {
             c.is_evident
                 && c.is_possible()
-                && if c.candidate.model.terms() > settled.model.terms() {
-                    self.predicts_better([settled_pa, c.left_out_pa])
+                && if c.candidate.model.terms() > otherwise.model.terms() {
+                    self.predicts_better([otherwise_pa, c.left_out_pa])
                 } else {
                     // In place of names: decisively better than without either, and better than the names.
-                    self.predicts_better([paper_pa, c.left_out_pa]) && c.candidate.errs_less(settled, self.least_gain())
+                    self.predicts_better([paper_pa, c.left_out_pa])
+                        && c.candidate.errs_less(otherwise, self.least_gain())
                 }
         };
         let evident = curves.iter().filter(acceptable).map(|c| c.candidate.delta_bic).fold(f64::NEG_INFINITY, f64::max);
-        let alike = |c: &&Judged| c.candidate.delta_bic > evident - policy::DECISIVE;
-        let by_terms = |a: &&Judged, b: &&Judged| {
+        let alike = |c: &&JudgedCurve| c.candidate.delta_bic > evident - policy::DECISIVE;
+        let by_terms = |a: &&JudgedCurve, b: &&JudgedCurve| {
             let (a, b) = (&a.candidate, &b.candidate);
             a.model.terms().cmp(&b.model.terms()).then(by_bic(b, a))
         };
         let accepted = curves.iter().filter(acceptable).filter(alike).min_by(by_terms);
-        let told = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
-        let best = if accepted.is_some() { self.pruned(self.refitted_fully(told.clone())) } else { told.clone() };
+        let reported = accepted.or_else(|| curves.iter().min_by(|a, b| a.left_out_pa.total_cmp(&b.left_out_pa)))?;
+        let best =
+            if accepted.is_some() { self.pruned(self.refitted_fully(reported.clone())) } else { reported.clone() };
         let fate = match accepted {
             _ if !best.is_possible() => Fate::ImpossibleCoefficient,
             Some(_) if self.has_likelier_names(&best.candidate) => Fate::LikelierNames,
@@ -162,7 +164,7 @@ impl Search {
             None if !best.is_evident => Fate::NotEvident,
             None => Fate::PredictsNoBetter,
         };
-        Some(self.told(best, settled_pa, fate))
+        Some(self.curve_fit(best, otherwise_pa, fate))
     }
 
     /// Whether named effects are more likely than a model with a curve, with no more terms.
@@ -171,12 +173,12 @@ impl Search {
         as_few.any(|c| c.delta_bic > with_curve.delta_bic && is_credible(&c.fit))
     }
 
-    fn told(&self, curve: Judged, settled_pa: f64, fate: Fate) -> ReadOff {
-        ReadOff {
+    fn curve_fit(&self, curve: JudgedCurve, otherwise_pa: f64, fate: Fate) -> CurveFit {
+        CurveFit {
             first_order: curve.first_order,
             fate,
             candidate: self.judged(curve.candidate),
-            left_out_pa: [settled_pa, curve.left_out_pa],
+            left_out_pa: [otherwise_pa, curve.left_out_pa],
         }
     }
 
@@ -193,7 +195,7 @@ impl Search {
     }
 
     /// Removes the names that imitated part of the curve: those no longer decisive beside it.
-    fn pruned(&self, mut best: Judged) -> Judged {
+    fn pruned(&self, mut best: JudgedCurve) -> JudgedCurve {
         let curve = Empirical::SET;
         loop {
             let less = terms::without_one(&best.candidate.model).into_par_iter().filter(|m| m.effects.contains(curve));
@@ -206,13 +208,13 @@ impl Search {
             {
                 return best;
             }
-            best = Judged { candidate, left_out_pa, ..best };
+            best = JudgedCurve { candidate, left_out_pa, ..best };
         }
     }
 
     /// Refits the curves that remove most of what a model leaves, at least this fraction of it, and judges those with more than
     /// this evidence.
-    fn curves_on(&self, part: &Candidate, least_bic: f64, least_share: f64) -> Vec<Judged> {
+    fn curves_on(&self, part: &Candidate, least_bic: f64, least_share: f64) -> Vec<JudgedCurve> {
         let Some(families) = discrepancy::Families::new(&self.data, &part.fit) else { return Vec::new() };
         let mut curves = families.curves();
         curves.sort_by(|a, b| b.worth(&part.fit).total_cmp(&a.worth(&part.fit)));
@@ -239,7 +241,7 @@ impl Search {
             let gain = |bic: &dyn Fn(&Fit) -> f64| bic(&part.fit) - bic(&candidate.fit);
             let is_evident = gain(&bic) > policy::DECISIVE + (REFITTED as f64).ln()
                 && gain(&|fit| bic_widened(fit, policy::GEOMETRY_WIDENED)) > policy::DECISIVE;
-            Some(Judged { first_order, candidate, left_out_pa, is_evident })
+            Some(JudgedCurve { first_order, candidate, left_out_pa, is_evident })
         };
         refitted.into_par_iter().filter_map(judged).collect()
     }
@@ -260,13 +262,13 @@ impl Search {
     }
 
     /// Fits a roughly refitted curve to its minimum.
-    fn refitted_fully(&self, rough: Judged) -> Judged {
+    fn refitted_fully(&self, rough: JudgedCurve) -> JudgedCurve {
         let Some(fit) = self.refit(&rough.candidate.fit, Until::SETTLED).filter(|fit| fit.converged) else {
             return rough;
         };
         let candidate = self.judged(self.candidate(fit));
         let left_out_pa = self.left_out(&candidate).unwrap_or(rough.left_out_pa);
-        Judged { candidate, left_out_pa, ..rough }
+        JudgedCurve { candidate, left_out_pa, ..rough }
     }
 }
 
@@ -276,7 +278,7 @@ mod tests {
     use crate::synthetic::{Outside, Recipe};
 
     #[test]
-    fn a_curve_beside_a_coefficient_that_no_gas_has_is_possible_at_no_price() {
+    fn a_curve_with_an_implausible_coefficient_is_not_possible() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(41) }.with_outside(Outside::FrictionHeat(0.05));
         let search = Search::after_first_fit(&recipe);
         let curves = search.curves_on(&search.baseline, 0.0, 0.0);

@@ -14,15 +14,15 @@ use chamber::effects::EffectSet;
 impl Search {
     /// Makes the time by which a digital low-pass of the pressure is early a per-record delay, where the chosen model has it as a
     /// late position of the rig.
-    pub(super) fn leave_earliness_to_the_records(&mut self) {
-        let Some(own) = self.with_own_earliness(&self.chosen) else { return };
+    pub(super) fn make_early_delay_per_record(&mut self) {
+        let Some(other) = self.with_per_record_delay(&self.chosen) else { return };
         self.tried.retain(|c| earliness(&self.data, c).is_none());
-        self.tried.push(own.clone());
+        self.tried.push(other.clone());
         sort(&mut self.tried);
-        self.put_in_place_of_chosen(own);
+        self.put_in_place_of_chosen(other);
     }
 
-    fn with_own_earliness(&self, c: &Candidate) -> Option<Candidate> {
+    fn with_per_record_delay(&self, c: &Candidate) -> Option<Candidate> {
         let early_s = earliness(&self.data, c)?;
         let (late, delay) = (terms::effect_that(delays_position)?, terms::effect_that(delays_pressure)?);
         if c.model.effects.has(delay) {
@@ -30,13 +30,13 @@ impl Search {
         }
         let (gone, new) = (EffectSet::one(late), EffectSet::one(delay));
         let without = c.model.without(gone);
-        let model = Model { effects: without.effects.union(new), own: without.own.union(new), ..without };
+        let model = Model { effects: without.effects.union(new), per_record: without.per_record.union(new), ..without };
         let chamber = c.fit.chamber();
         let mut chamber = Chamber { effects: chamber.effects.without(gone), ..chamber };
         chamber.effects.of_mut(delay)[0] = -early_s;
         let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);
-        let own = starts::owns(&self.data, &h, &c.fit);
-        let fit = fit::fit(&self.data, &h, h.coordinates(&chamber), own, &fit::all_blocks(&self.data)).ok()?;
+        let records = starts::record_coordinates(&self.data, &h, &c.fit);
+        let fit = fit::fit(&self.data, &h, h.coordinates(&chamber), records, &fit::all_blocks(&self.data)).ok()?;
         fit.converged.then(|| self.judged(self.candidate(fit)))
     }
 }
@@ -68,15 +68,15 @@ mod tests {
     }
 
     #[test]
-    fn what_a_digital_low_pass_is_early_by_is_no_position_that_is_late() {
+    fn the_earliness_of_a_digital_low_pass_is_no_position_delay() {
         let found = found(true, 0.0);
-        let Model { effects, own, .. } = found.chosen.model;
-        assert_eq!((effects, own), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
+        let Model { effects, per_record, .. } = found.chosen.model;
+        assert_eq!((effects, per_record), (set(&["sensor_lag", "record_delay"]), set(&["record_delay"])));
         let fit = &found.chosen.fit;
         let delay = RecordDelay::INDEX;
         assert_eq!(fit.chamber_of_rig().effects.of(delay), [0.0], "the model as it is written");
-        for own in &fit.own {
-            let (axis, x) = fit.hypothesis.own.last().zip(own.last()).unwrap();
+        for record in &fit.records {
+            let (axis, x) = fit.hypothesis.record_effects.last().zip(record.last()).unwrap();
             assert!((axis.value(*x) + 0.005).abs() < 1e-3, "{}", axis.value(*x));
         }
         let late = set(&["sensor_lag", "position_delay"]);
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_position_that_is_late_by_more_than_a_row_keeps_its_name_beside_a_lag() {
+    fn a_position_delay_of_more_than_a_row_is_named_beside_a_lag() {
         assert_eq!(found(false, 0.0).chosen.model, Model::with(set(&["sensor_lag"])));
         assert_eq!(found(false, 0.03).chosen.model.of_rig(), set(&["sensor_lag", "position_delay"]));
     }

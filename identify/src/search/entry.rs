@@ -20,7 +20,7 @@ impl Search {
 
     /// Where nothing else helps and the chosen model is not adequate, lets the best set with an almost exhausted effect enter. It
     /// describes the records; that effect is not their cause.
-    pub(super) fn describes(&mut self) -> bool {
+    pub(super) fn take_best_exhausted(&mut self) -> bool {
         if self.chosen_adequacy.is_adequate() {
             return false;
         }
@@ -37,7 +37,7 @@ impl Search {
     /// Lets the best candidate that meets the conditions enter.
     fn take_best_of(&mut self, mut candidates: Vec<Candidate>) -> bool {
         let among = candidates.len().max(2) as f64;
-        candidates.retain(|c| self.enters(c, among));
+        candidates.retain(|c| self.may_enter(c, among));
         sort(&mut candidates);
         let Some(highest) = candidates.first().map(|c| c.delta_bic) else { return false };
         candidates.retain(|c| c.delta_bic > highest - policy::DECISIVE);
@@ -58,7 +58,7 @@ impl Search {
 
     /// Whether a candidate has decisive evidence over the chosen model, predicts left-out data better by more than `least_gain`,
     /// and has credible parameters.
-    fn enters(&self, c: &Candidate, among: f64) -> bool {
+    fn may_enter(&self, c: &Candidate, among: f64) -> bool {
         let over = &self.chosen;
         // Effects of the rig in place of per-record terms need not predict better, only no worse.
         let in_place = over.model.has_terms_of_records() && !c.model.has_terms_of_records();
@@ -97,8 +97,8 @@ impl Search {
     /// less beside names, half the square of what is systematic is enough, since no term removes more than that.
     pub(super) fn least_gain(&self) -> f64 {
         let (accuracy_pa, chosen) = (self.data.accuracy_pa(), &self.chosen_adequacy);
-        let nobody_minds = chosen.is_good_enough && self.needs_no_more_names();
-        if nobody_minds { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
+        let is_satisfactory = chosen.is_good_enough && self.needs_no_more_names();
+        if is_satisfactory { accuracy_pa } else { accuracy_pa.min(chosen.systematic_pa * 0.5f64.sqrt()) }
     }
 
     /// The set without the effects that its fit has switched off, if it was not tried or is decisively better than as tried:
@@ -166,7 +166,7 @@ pub(super) fn is_credible(fit: &Fit) -> bool {
 
 /// Whether the records determine λ0 better than its first guess does, with the stated parameters free within their tolerances.
 fn determines_lambda0(fit: &Fit) -> bool {
-    covariance::beside_all(fit, 0).sqrt() < policy::FIRST_GUESS_REACH
+    covariance::profile_variance(fit, 0).sqrt() < policy::FIRST_GUESS_REACH
 }
 
 #[cfg(test)]
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_is_nearly_exhausted_has_a_name_and_one_that_is_off_or_without_influence_has_none() {
+    fn a_nearly_exhausted_effect_is_recognised_and_one_that_is_off_or_without_influence_is_not() {
         let (_, mut zones) = search_with_exhausted_zones();
         assert_eq!(zones.fit.exhausted().map(|slot| slot.name()), Some("gas_zones.mass_fraction".to_owned()));
         let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
@@ -207,25 +207,25 @@ mod tests {
     }
 
     #[test]
-    fn a_set_with_an_effect_that_its_fit_has_driven_to_where_it_is_off_does_not_enter() {
+    fn a_set_with_an_effect_that_its_fit_has_switched_off_does_not_enter() {
         let (search, mut zones) = search_with_exhausted_zones();
         let (fraction, conductance) = (zones.fit.rig.len() - 2, zones.fit.rig.len() - 1);
-        assert!(search.enters(&zones, 2.0));
+        assert!(search.may_enter(&zones, 2.0));
         (zones.fit.rig[fraction], zones.fit.rig[conductance]) = (0.0, 0.0);
-        assert!(!search.enters(&zones, 2.0));
+        assert!(!search.may_enter(&zones, 2.0));
     }
 
     #[test]
     fn a_set_that_needs_a_volume_below_zero_does_not_enter() {
         let (search, mut zones) = search_with_exhausted_zones();
-        assert!(search.enters(&zones, 2.0));
-        let place = zones.fit.hypothesis.axes.iter().position(|axis| axis.slot == Slot::DeadVolume).unwrap();
-        zones.fit.rig[place] = zones.fit.hypothesis.axes[place].bounds[0];
-        assert!(!search.enters(&zones, 2.0));
+        assert!(search.may_enter(&zones, 2.0));
+        let index = zones.fit.hypothesis.axes.iter().position(|axis| axis.slot == Slot::DeadVolume).unwrap();
+        zones.fit.rig[index] = zones.fit.hypothesis.axes[index].bounds[0];
+        assert!(!search.may_enter(&zones, 2.0));
     }
 
     #[test]
-    fn another_cause_enters_beside_effects_that_leave_little_only_where_these_have_less_evidence_whatever_is_added() {
+    fn another_cause_replaces_effects_that_leave_little_only_if_no_extension_of_them_has_as_much_evidence() {
         let (mut search, mut zones) = search_with_exhausted_zones();
         let single = |name: &str| Model::with(EffectSet::one(find(name).unwrap().0));
         let of = |model: Model| fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
@@ -236,32 +236,33 @@ mod tests {
         search.chosen = Candidate { held_out: errs(error), ..convection };
         search.chosen_adequacy = Adequacy { is_noise: true, ..search.chosen_adequacy };
         (zones.delta_bic, zones.held_out) = (evidence + 30.0, errs(error));
-        assert!(search.enters(&zones, 2.0));
+        assert!(search.may_enter(&zones, 2.0));
         search.tried = vec![Candidate { delta_bic: evidence + 25.0, ..with_more.clone() }];
         assert!(
-            search.enters(&Candidate { delta_bic: evidence + 40.0, ..zones.clone() }, 2.0) && zones.model.terms() < 2
+            search.may_enter(&Candidate { delta_bic: evidence + 40.0, ..zones.clone() }, 2.0)
+                && zones.model.terms() < 2
         );
         // A set as large as the one in question counts.
         let larger = single("wall_heating").effects.union(zones.model.effects);
         let mut large = search.candidate(of(Model::with(larger)));
         (large.delta_bic, large.held_out) = (evidence + 30.0, errs(error));
-        assert!(!search.enters(&large, 2.0));
+        assert!(!search.may_enter(&large, 2.0));
         large.delta_bic = evidence + 40.0;
-        assert!(search.enters(&large, 2.0));
+        assert!(search.may_enter(&large, 2.0));
         // Not if it predicts worse by a relevant amount, nor where more than noise is left.
         large.held_out = errs(error + 2.0 * search.data.accuracy_pa());
-        assert!(!search.enters(&large, 2.0));
+        assert!(!search.may_enter(&large, 2.0));
         // Nor if it errs less in fast moves alone and more elsewhere.
         let more_elsewhere = HeldOut { rmse_pa: 0.0, weighed_pa: error + 2.0 * search.data.accuracy_pa() };
-        assert!(!search.enters(&Candidate { held_out: Some(more_elsewhere), ..large.clone() }, 2.0));
+        assert!(!search.may_enter(&Candidate { held_out: Some(more_elsewhere), ..large.clone() }, 2.0));
         large.held_out = errs(error);
         search.chosen_adequacy.is_noise = false;
         search.chosen_adequacy.is_good_enough = false;
-        assert!(!search.enters(&large, 2.0));
+        assert!(!search.may_enter(&large, 2.0));
     }
 
     #[test]
-    fn what_a_set_is_without_an_effect_that_is_off_is_fitted_from_there() {
+    fn a_set_without_its_effect_that_is_off_is_fitted_from_the_larger_one() {
         let (search, mut zones) = search_with_exhausted_zones();
         let model = Model::with(NaturalConvection::SET.union(zones.model.effects));
         zones = search.candidate(fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap());
@@ -284,18 +285,18 @@ mod tests {
         assert!(!search.take_best(vec![zones.clone()]));
         search.tried = vec![zones.clone()];
         assert!(search.best_of(1, 1, |_| true).is_empty());
-        assert!(search.describes());
+        assert!(search.take_best_exhausted());
         assert_eq!(search.chosen.model, zones.model);
         assert_ne!(search.verdict(false, search.carries_over()), Verdict::Explained);
 
         let (mut search, zones) = search_with_exhausted_zones();
         search.tried = vec![zones];
         search.chosen_adequacy = Adequacy { is_good_enough: true, ..search.chosen_adequacy };
-        assert!(search.chosen_adequacy.is_adequate() && !search.describes());
+        assert!(search.chosen_adequacy.is_adequate() && !search.take_best_exhausted());
     }
 
     #[test]
-    fn an_effect_that_takes_less_than_the_accuracy_off_has_no_name() {
+    fn an_effect_that_removes_less_than_the_accuracy_is_not_named() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5).with("leakage", &[1e-13, 0.3]) };
         let (data, paper) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
         let found_with = |accuracy_pa: f64| {
@@ -318,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_at_the_end_of_its_prior_is_beyond_belief_and_one_that_is_not_there_is_not() {
+    fn a_fault_at_the_end_of_its_prior_is_not_credible_and_one_of_zero_is() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let (data, paper) = baseline::fitted(data).unwrap();
         let sizes = Sizes::of(&data, &paper.chamber());

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_record_with_a_fault_is_left_out_and_the_others_are_described_as_if_there_were_none() {
+    fn a_single_faulty_record_is_left_out_and_does_not_affect_the_result_of_the_others() {
         let clean = recipe(0.0);
         let frozen = with_a_fault(&clean, |t, p| *p = if (1.0..2.5).contains(&t) { 4.5e5 } else { *p });
         let stepped = with_a_fault(&clean, |t, p| *p += if t > 1.5 { 5e3 } else { 0.0 });
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_beside_a_fault_has_its_name_and_improves_only() {
+    fn an_effect_beside_a_fault_is_named_and_only_improves() {
         let (out, found) = found_of(&with_a_fault(&recipe(0.4), |t, p| *p += if t > 1.5 { 5e3 } else { 0.0 }));
         assert_eq!((out, found.verdict), (vec![1], Verdict::Improved));
         assert_eq!(found.reported().model.of_rig(), EffectSet::one(NaturalConvection::INDEX));

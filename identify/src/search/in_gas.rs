@@ -17,15 +17,15 @@ use crate::record::data::Data;
 /// As [`at_zero::search`].
 pub(super) fn search(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result<(Data, Found), Error> {
     let (data, found) = at_zero::search(data, progress)?;
-    let Some(tolerances) = asked(&found) else { return Ok((data, found)) };
+    let Some(tolerances) = favoured_move(&found) else { return Ok((data, found)) };
     let again = |what: &str, share: f64| progress(&format!("{what}, in the gas that the records ask for"), share);
     let elsewhere = at_zero::search(data.clone().in_gas_moved(tolerances), &again);
     Ok(moved::which_counts((data, found), elsewhere))
 }
 
 /// Move of the gas, in tolerances, where the result leaves only noise and little doubt of the move.
-fn asked(found: &Found) -> Option<f64> {
-    found.adequacy().is_noise.then(|| moved::asked(&found.reported().fit, Slot::HeatCapacityRatio))?
+fn favoured_move(found: &Found) -> Option<f64> {
+    found.adequacy().is_noise.then(|| moved::favoured_move(&found.reported().fit, Slot::HeatCapacityRatio))?
 }
 
 #[cfg(test)]
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_those_of_the_gas_that_the_records_ask_for() {
+    fn parameters_are_those_in_the_gas_that_the_records_favour() {
         let leaky = |tolerances: f64| {
             let recipe = in_gas_off_by(tolerances);
             let (data, found) = found_of(&recipe.clone().with("leakage", &[recipe.leak_of(0.3)]));
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gas_counts_with_its_whole_tolerance_until_it_was_moved_to_where_the_records_ask_for_it() {
+    fn the_gas_has_its_whole_tolerance_until_it_is_moved_to_where_the_records_favour_it() {
         let data = Data::prepare(&in_gas_off_by(1.5).rig()).unwrap();
         let variance_by_gas = |tolerances: f64| {
             let (_, fit) = baseline::fitted(data.clone().in_gas_moved(tolerances)).unwrap();

@@ -6,12 +6,11 @@
 //! next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's evidence, or at sets of
 //! [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the recording, or initial temperatures
 //! of gas or wall. It enters by decisive evidence and a lower error on left-out data (`entry`). Per-record effects may become one
-//! effect of the rig (`fold`), and data are reweighted as better models show their noise (`anew`). At the end each term must be
-//! decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`). Where
-//! more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
+//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`reweighting`). At the end each term
+//! must be decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`).
+//! Where more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
 
 mod alike;
-pub mod anew;
 mod at_zero;
 pub mod baseline;
 mod conclude;
@@ -20,10 +19,11 @@ pub(crate) mod curve;
 mod early;
 mod entry;
 mod faulty_record;
-mod fold;
 mod in_gas;
 mod moved;
 mod needed;
+mod pooling;
+pub mod reweighting;
 pub mod starts;
 pub(crate) mod terms;
 mod verdict;
@@ -39,7 +39,7 @@ use crate::parameters::{Model, Sizes};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::effects::EffectSet;
-use curve::ReadOff;
+use curve::CurveFit;
 use rayon::prelude::*;
 pub use records::Verdict;
 use starts::fit_model_until;
@@ -94,14 +94,14 @@ pub struct Found {
     pub steps: Vec<Candidate>,
     /// Models with as many terms as the chosen one that the data cannot tell from it.
     pub alike: Vec<Model>,
-    /// Whether per-record terms follow the kind of test: see `judge::kinds`.
-    pub follows_the_test: bool,
+    /// Whether per-record terms depend on the kind of test: see `judge::test_dependence`.
+    pub depends_on_test: bool,
     /// Whether the chosen model predicts records left out whole about as well as it fits the others.
     pub carries_over: bool,
     /// An effect that would enter only with the geometry exactly as stated.
     pub by_geometry: Option<EffectSet>,
     /// The missing term as a curve, where no named effect fits.
-    pub read_off: Option<ReadOff>,
+    pub curve_fit: Option<CurveFit>,
 }
 
 impl Found {
@@ -128,7 +128,7 @@ impl Found {
     /// Where nothing explains the records and the paper's model has an implausible coefficient: the best set, decisively better
     /// than that model, with a plausible one. Then the coefficient makes up for what the paper's model lacks and not for a wrong
     /// unit.
-    pub fn coefficient_stands_for(&self) -> Option<&Candidate> {
+    pub fn set_with_plausible_coefficient(&self) -> Option<&Candidate> {
         let is_open = self.verdict == Verdict::Unexplained && !sanity::has_plausible_coefficient(&self.baseline.fit);
         let mut better = self.tried.iter().filter(|c| is_open && c.delta_bic > policy::DECISIVE && c.fit.converged);
         better.find(|c| c.fit.exhausted().is_none() && sanity::has_plausible_coefficient(&c.fit))
@@ -159,15 +159,15 @@ fn search_as_stated(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result
     search.first_round();
     search.refuse_hopeless()?;
     search.reweigh();
-    search.fold();
+    search.pool();
     let mut level = 1;
-    while search.goes_on(level) {
+    while search.continues_beyond(level) {
         progress("further terms", 0.1 + 0.8 * (level + 1) as f64 / (1 + policy::MOST_IN_ALL) as f64);
-        if !search.round(level) && !search.describes() {
+        if !search.round(level) && !search.take_best_exhausted() {
             break;
         }
         search.reweigh();
-        search.fold();
+        search.pool();
         level = (level + 1).max(search.chosen.model.terms());
     }
     progress("checking what was found", 0.9);
@@ -226,7 +226,7 @@ impl Search {
         let models = terms::added_to(&self.data, &Model::PAPER);
         let singles = self.fit_all(&models);
         let best = singles.first().filter(|c| c.delta_bic > policy::DECISIVE).map(|c| c.fit.clone());
-        if best.is_some_and(|best| self.weighs_anew(&best)) { self.refitted(&singles) } else { singles }
+        if best.is_some_and(|best| self.reweigh_by(&best)) { self.refitted(&singles) } else { singles }
     }
 
     /// Tries every term alone and takes the best one that may enter.
@@ -257,7 +257,7 @@ impl Search {
     }
 
     /// Whether to look for sets with more than `level` terms.
-    fn goes_on(&self, level: usize) -> bool {
+    fn continues_beyond(&self, level: usize) -> bool {
         let model = &self.chosen.model;
         if level > policy::MOST_IN_ALL {
             return false;
@@ -270,7 +270,7 @@ impl Search {
         // Next to nothing, and less than noise: of this size is the interpolation error of a stroke recovered from an average or
         // a low-pass.
         let is_next_to_nothing = self.chosen_adequacy.systematic_pa < self.data.noise.total_pa()
-            && self.chosen_adequacy.settles(self.baseline_adequacy.systematic_pa);
+            && self.chosen_adequacy.accounts_for(self.baseline_adequacy.systematic_pa);
         !(terms::takes_back_the_stroke(model) && is_next_to_nothing)
     }
 
@@ -309,7 +309,7 @@ impl Search {
         }
         // None of them helps alone: try the better ones in pairs.
         let more = self.best_of(chosen.terms() + 1, policy::PAIRED, |m| terms::is_part(&chosen, m));
-        self.try_all([terms::pairs(&more, &chosen)]) || self.catches_up(self.best_of_rig() - of_rig, level + 1)
+        self.try_all([terms::pairs(&more, &chosen)]) || self.may_reach_chosen(self.best_of_rig() - of_rig, level + 1)
     }
 
     /// Each single effect of the gas with a delay of either sign. Where a delay of as little as half a row is missing, another
@@ -326,7 +326,7 @@ impl Search {
 
     /// Whether sets of the rig's effects, whose evidence grew by `gain` with the last of `terms` terms, may reach that of the
     /// chosen set if each further term gains as much; later ones mostly gain less.
-    fn catches_up(&self, gain: f64, terms: usize) -> bool {
+    fn may_reach_chosen(&self, gain: f64, terms: usize) -> bool {
         let further = policy::MOST_IN_ALL.saturating_sub(terms) as f64;
         gain > policy::DECISIVE && self.best_of_rig() + further * gain > self.chosen.delta_bic
     }
@@ -336,16 +336,16 @@ impl Search {
     fn beam(&self, level: usize) -> Vec<Model> {
         let mut parts = vec![self.chosen.model];
         parts.retain(|chosen| chosen.terms() == level);
-        parts.extend(self.best_of(level, policy::GO_ON, |_| true));
-        parts.extend(self.best_of(level, policy::GO_ON, |m| !m.has_terms_of_records()));
+        parts.extend(self.best_of(level, policy::BEAM_WIDTH, |_| true));
+        parts.extend(self.best_of(level, policy::BEAM_WIDTH, |m| !m.has_terms_of_records()));
         distinct(parts)
     }
 
     /// The best sets of `terms` terms with credible parameters: those that imitate another cause would crowd them out.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
         let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_beyond_belief();
-        let leads_on = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
-        let sets = self.tried.iter().filter(|c| c.model.terms() == terms).filter(leads_on).map(|c| c.model);
+        let is_extendable = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
+        let sets = self.tried.iter().filter(|c| c.model.terms() == terms).filter(is_extendable).map(|c| c.model);
         distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
     }
 
@@ -471,7 +471,7 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
-    fn a_coefficient_that_another_model_makes_plausible_refuses_no_record() {
+    fn records_are_not_refused_if_another_model_makes_the_coefficient_plausible() {
         let search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let with = |verdict, far: f64, delta_bic| {
             let mut baseline = search.baseline.clone();
@@ -486,12 +486,12 @@ mod tests {
                 tried: vec![better],
                 steps: Vec::new(),
                 alike: Vec::new(),
-                follows_the_test: false,
+                depends_on_test: false,
                 carries_over: true,
                 by_geometry: None,
-                read_off: None,
+                curve_fit: None,
             };
-            found.coefficient_stands_for().is_some()
+            found.set_with_plausible_coefficient().is_some()
         };
         assert!(with(Verdict::Unexplained, 5.0, 100.0));
         assert!(!with(Verdict::Unexplained, 0.0, 100.0) && !with(Verdict::Unexplained, 5.0, 1.0));
@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_of_the_recording_beyond_belief_leads_to_no_larger_set_however_well_it_fits() {
+    fn a_recording_fault_that_is_not_credible_is_not_extended_however_well_it_fits() {
         let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let single = |name: &str| {
             let model = Model::with(EffectSet::one(find(name).unwrap().0));
@@ -517,7 +517,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_beside_a_pressure_that_is_half_a_row_late_is_found_behind_what_imitates_both() {
+    fn an_effect_beside_a_delay_of_half_a_row_is_found_although_another_term_imitates_both() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let half_a_row_s = 0.5 * Data::prepare(&recipe.rig()).unwrap().shortest_row_s();
         let mut recipe = recipe.with("natural_convection", &[0.3]).with("record_delay", &[half_a_row_s]);
@@ -531,7 +531,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_of_a_gauge_that_differ_between_records_are_looked_for_beside_effects_that_repeats_agree_on() {
+    fn per_record_gauge_zeros_are_tried_beside_effects_that_repeats_agree_on() {
         let effects = ["leakage", "tube_volume"].map(|name| find(name).unwrap().0);
         let mut recipe = Recipe { repeats: 3, noise_pa: 60.0, ..Recipe::from_seed(5) };
         recipe.faults.offset_pa.between = 600.0;
@@ -541,10 +541,10 @@ mod tests {
         let fit = fit_model(&search.data, both, &search.baseline.fit, &search.sizes).unwrap();
         search.chosen = search.judged(search.candidate(fit));
         search.chosen_adequacy = adequacy::test(&search.data, &search.chosen.fit);
-        assert!(search.needs_no_more_names() && search.records_may_differ() && search.goes_on(2));
+        assert!(search.needs_no_more_names() && search.records_may_differ() && search.continues_beyond(2));
         search.round(2);
-        let own = search.chosen.model.own;
-        assert!(own.has(find("sensor_offset").unwrap().0), "{:?}", search.chosen.model);
+        let per_record = search.chosen.model.per_record;
+        assert!(per_record.has(find("sensor_offset").unwrap().0), "{:?}", search.chosen.model);
         assert!(!search.records_may_differ());
     }
 
@@ -553,12 +553,12 @@ mod tests {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.tests.truncate(1);
         recipe.faults.time_unit = 1e3;
-        let goes_on = AtomicBool::new(false);
+        let tried_further = AtomicBool::new(false);
         let watch = |what: &str, _: f64| {
-            goes_on.fetch_or(what == "further terms", Ordering::Relaxed);
+            tried_further.fetch_or(what == "further terms", Ordering::Relaxed);
         };
         let error = search(Data::prepare(&recipe.rig()).unwrap(), &watch);
         assert!(matches!(error, Err(Error::ImplausibleCoefficient { .. })));
-        assert!(!goes_on.into_inner());
+        assert!(!tried_further.into_inner());
     }
 }

@@ -10,8 +10,8 @@ use crate::policy;
 use crate::record::data::Data;
 
 /// Move of a stated parameter, in tolerances, where a fit has decisive evidence of it and it is no contradiction.
-pub(super) fn asked(fit: &Fit, slot: Slot) -> Option<f64> {
-    let (tolerances, left) = fit.asked(slot)?;
+pub(super) fn favoured_move(fit: &Fit, slot: Slot) -> Option<f64> {
+    let (tolerances, left) = fit.favoured_move(slot)?;
     let bic = |squares| evidence::of_squares(squares, fit.blocks, 0);
     (bic(left) - bic(fit.marginal) > policy::DECISIVE && tolerances.abs() < policy::TOLERANCES).then_some(tolerances)
 }

@@ -113,7 +113,7 @@ mod tests {
     use chamber::effects::{GasZones, Leakage, SensorDrift};
 
     #[test]
-    fn gas_zones_that_stand_for_humid_air_go_out_again_and_leave_noise() {
+    fn gas_zones_that_imitate_humid_air_are_removed_again_and_noise_is_left() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         recipe.faults.stated.heat_capacity_ratio_times = 1.001;
         let mut search = Search::after_first_fit(&recipe);
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_term_that_stood_for_a_freed_number_of_another_goes_out_again() {
+    fn a_term_that_imitated_a_freed_parameter_of_another_is_removed_again() {
         let (leakage, drift) = (Leakage::INDEX, SensorDrift::INDEX);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[..2].copy_from_slice(&[2e-11, 0.1]);

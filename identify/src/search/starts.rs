@@ -16,7 +16,7 @@ const TRIAL_ITERATIONS: [usize; 2] = [2, 2];
 /// Iterations that determine how large a curve is: its order of magnitude is enough.
 const SIZE_ITERATIONS: usize = 4;
 /// Number of starts fitted to the end: the best, and a rival that a few iterations do not tell from it.
-const STARTS_THAT_GO_ON: usize = 2;
+const STARTS_KEPT: usize = 2;
 /// A start is kept beside the best one if its χ² is less than this multiple of the best one's...
 const NOT_FAR_BEHIND: f64 = 2.0;
 /// ...and differs from it by more than this fraction: otherwise both have reached the same minimum.
@@ -76,11 +76,11 @@ fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes
     let selection = fit::all_blocks(data);
     let begun = trials(base, data, model, part, sizes, &selection);
     let least = begun.first()?.1.chi2;
-    let leads_on = |start: &Descent| start.chi2 == least || is_rival(start.chi2, least);
-    let go_on: Vec<_> = begun.into_iter().filter(|(_, start)| leads_on(start)).take(STARTS_THAT_GO_ON).collect();
+    let is_kept = |start: &Descent| start.chi2 == least || is_rival(start.chi2, least);
+    let kept: Vec<_> = begun.into_iter().filter(|(_, start)| is_kept(start)).take(STARTS_KEPT).collect();
     let fitted =
-        |(h, start): (Hypothesis, Descent)| fit::fit_until(data, &h, start.rig, start.own, &selection, until).ok();
-    best(go_on.into_par_iter().filter_map(fitted).collect())
+        |(h, start): (Hypothesis, Descent)| fit::fit_until(data, &h, start.rig, start.records, &selection, until).ok();
+    best(kept.into_par_iter().filter_map(fitted).collect())
 }
 
 /// Fits `model` where the hypothesis depends on how large its parameters are (the smaller a curve, the straighter it is kept):
@@ -88,17 +88,17 @@ fn fit_from(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes
 pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: Until) -> Option<Fit> {
     let selection = fit::all_blocks(data);
     let (h, start) = begun(&part.chamber(), data, model, part, sizes).into_iter().next()?;
-    let found = fit::descend(data, &h, start.rig, start.own, &selection, Until::after(SIZE_ITERATIONS)).ok()?;
+    let found = fit::descend(data, &h, start.rig, start.records, &selection, Until::after(SIZE_ITERATIONS)).ok()?;
     let chamber = h.chamber(&found.rig);
     let h = Hypothesis::new(data, model, &chamber, sizes);
-    fit::fit_until(data, &h, h.coordinates(&chamber), found.own, &selection, until).ok()
+    fit::fit_until(data, &h, h.coordinates(&chamber), found.records, &selection, until).ok()
 }
 
 /// BIC that `model` would have if the best of its starts achieved the prediction for its first step: a cheap way to choose what
 /// to fit.
 pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
     let promised = |(h, start): (Hypothesis, Descent)| {
-        let squares = fit::promise(data, &h, &start.rig, &start.own)? + fit::smoothed(data, &model);
+        let squares = fit::promise(data, &h, &start.rig, &start.records)? + fit::smoothed(data, &model);
         Some(evidence::of_squares(squares, part.blocks, h.freedom(0..data.traces.len())))
     };
     let begun = bases(data, part, &model).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
@@ -113,8 +113,8 @@ fn begun(base: &Chamber, data: &Data, model: Model, part: &Fit, sizes: &Sizes) -
     starts.extend(freed.flat_map(|e| exchanged(base, e)));
     let unmoved = |start: &Chamber| {
         let h = Hypothesis::new(data, model, start, sizes);
-        let (rig, own) = (h.coordinates(start), owns(data, &h, part));
-        (h, Descent::at(rig, own))
+        let (rig, records) = (h.coordinates(start), record_coordinates(data, &h, part));
+        (h, Descent::at(rig, records))
     };
     starts.iter().map(unmoved).collect()
 }
@@ -145,7 +145,7 @@ fn trials(
         trials = trials
             .into_par_iter()
             .filter_map(|(h, start)| {
-                let found = fit::descend(data, &h, start.rig, start.own, &few, Until::after(iterations)).ok()?;
+                let found = fit::descend(data, &h, start.rig, start.records, &few, Until::after(iterations)).ok()?;
                 Some((h, found))
             })
             .collect();
@@ -157,15 +157,15 @@ fn trials(
 }
 
 /// Starting values of the per-record parameters: what the part has found of them, first guesses for the rest.
-pub fn owns(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
+pub fn record_coordinates(data: &Data, h: &Hypothesis, part: &Fit) -> Vec<Vec<f64>> {
     data.traces
         .iter()
-        .zip(&part.own)
+        .zip(&part.records)
         .map(|(t, known)| {
-            let known_axes = part.hypothesis.own_of(t);
+            let known_axes = part.hypothesis.record_axes(t);
             let found = |slot| known_axes.iter().position(|a| a.slot == slot).map(|i| known[i]);
-            let first = h.first_own(t);
-            h.own_of(t).iter().zip(first).map(|(axis, first)| found(axis.slot).unwrap_or(first)).collect()
+            let first = h.record_guess(t);
+            h.record_axes(t).iter().zip(first).map(|(axis, first)| found(axis.slot).unwrap_or(first)).collect()
         })
         .collect()
 }
@@ -245,7 +245,7 @@ mod tests {
     use chamber::effects::{GasZones, Leakage};
 
     #[test]
-    fn a_fit_begins_at_a_first_guess_too_where_its_part_has_lost_the_coefficient() {
+    fn a_fit_also_starts_from_the_first_guess_where_the_coefficient_of_its_part_is_far_off() {
         let recipe = Recipe::from_seed(5);
         let recipe = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]);
         let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_larger_set_does_not_keep_a_secondary_number_that_only_its_part_needed() {
+    fn a_larger_set_does_not_keep_a_secondary_parameter_that_only_its_part_needed() {
         let (leakage, zones) = (Leakage::INDEX, GasZones::INDEX);
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(leakage)[0] = 2e-11;
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_does_not_begin_where_the_gas_relaxes_from_one_row_to_the_next() {
+    fn a_fit_does_not_start_where_the_gas_relaxes_within_a_row() {
         let mut recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let lost = |recipe: &Recipe| {
             let (data, mut part) = baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap();

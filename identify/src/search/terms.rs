@@ -1,7 +1,7 @@
 //! Terms that a model can gain or lose in one step: an effect of the rig, a per-record effect of the recording, the records'
 //! initial temperatures, and those of a wall that warms.
 
-use crate::parameters::{self, Model, OwnStart};
+use crate::parameters::{self, Model, RecordStart};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::card::{ActsOn, Card, Scope, Tried, Unit};
@@ -21,11 +21,12 @@ pub fn added_to(data: &Data, model: &Model) -> Vec<Model> {
         out.push(Model { effects, ..*model });
         // A per-record delay has either sign: a second one, of the position, would be equivalent.
         if is_of_record(card) && data.traces.len() > 1 && !parameters::delays_position(e) {
-            out.push(Model { effects, own: model.own.union(one), ..*model });
+            out.push(Model { effects, per_record: model.per_record.union(one), ..*model });
         }
     }
-    let longer = OwnStart::ALL.into_iter().filter(|start| model.own_start < *start && *start <= model.most_of_start());
-    out.extend(longer.map(|start| Model { own_start: start, ..*model }));
+    let longer =
+        RecordStart::ALL.into_iter().filter(|start| model.record_start < *start && *start <= model.most_of_start());
+    out.extend(longer.map(|start| Model { record_start: start, ..*model }));
     out
 }
 
@@ -36,9 +37,9 @@ pub fn pairs(models: &[Model], base: &Model) -> Vec<Model> {
         for b in &models[i + 1..] {
             let joined = Model {
                 effects: a.effects.union(b.effects),
-                own: a.own.union(b.own),
+                per_record: a.per_record.union(b.per_record),
                 secondary: a.secondary.union(b.secondary),
-                own_start: a.own_start.max(b.own_start),
+                record_start: a.record_start.max(b.record_start),
             };
             if joined.terms() + base.terms() == a.terms() + b.terms() {
                 out.push(joined);
@@ -64,8 +65,8 @@ pub fn takes_back_the_stroke(model: &Model) -> bool {
 /// The models with one term less; what is freed of the others stays free.
 pub fn without_one(model: &Model) -> Vec<Model> {
     let mut out: Vec<Model> = model.effects.iter().map(|e| model.without(EffectSet::one(e))).collect();
-    let shorter = OwnStart::ALL.into_iter().rfind(|start| *start < model.own_start);
-    out.extend(shorter.map(|start| Model { own_start: start, ..*model }));
+    let shorter = RecordStart::ALL.into_iter().rfind(|start| *start < model.record_start);
+    out.extend(shorter.map(|start| Model { record_start: start, ..*model }));
     out
 }
 
@@ -86,15 +87,20 @@ pub fn with_other_timing(model: &Model) -> Vec<Model> {
 /// Whether every term of `part` is one of `whole`, in the same scope.
 pub fn is_part(part: &Model, whole: &Model) -> bool {
     whole.effects.contains(part.effects)
-        && part.effects.iter().all(|e| part.own.has(e) == whole.own.has(e))
-        && part.own_start <= whole.own_start
+        && part.effects.iter().all(|e| part.per_record.has(e) == whole.per_record.has(e))
+        && part.record_start <= whole.record_start
 }
 
 /// The terms of a model that shift or smear the records in time.
 pub fn timing_of(model: &Model) -> Model {
     let part = |set: EffectSet| set.intersection(of_timing());
-    let Model { effects, own, secondary, .. } = *model;
-    Model { effects: part(effects), own: part(own), secondary: part(secondary), own_start: OwnStart::Nothing }
+    let Model { effects, per_record, secondary, .. } = *model;
+    Model {
+        effects: part(effects),
+        per_record: part(per_record),
+        secondary: part(secondary),
+        record_start: RecordStart::Nothing,
+    }
 }
 
 /// Whether a model has nothing but a delay between pressures and positions.
@@ -143,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_freed_of_a_set_stays_free_with_a_further_term_and_in_pairs() {
+    fn freed_parameters_of_a_set_stay_free_with_a_further_term_and_in_pairs() {
         let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
         let [leak, lag, late] =
             ["leakage", "sensor_lag", "position_delay"].map(|name| EffectSet::one(find(name).unwrap().0));

@@ -7,16 +7,16 @@ use chamber::card::Tried;
 use chamber::effects::CARDS;
 
 impl Search {
-    /// The verdict on the chosen model: `follows_the_test` by [`kinds`](crate::judge::kinds), `carries_over` to records left out
-    /// whole.
-    pub(super) fn verdict(&self, follows_the_test: bool, carries_over: bool) -> Verdict {
+    /// The verdict on the chosen model: `depends_on_test` by [`test_dependence`](crate::judge::test_dependence), `carries_over`
+    /// to records left out whole.
+    pub(super) fn verdict(&self, depends_on_test: bool, carries_over: bool) -> Verdict {
         let nothing_named = self.chosen.model.of_rig().is_empty();
         if self.chosen.model.terms() == 0 {
             return if self.baseline_adequacy.is_adequate() { Verdict::Adequate } else { Verdict::Unexplained };
         }
         // Noise is just noise, whatever the misfit was before.
         let before_pa = if self.chosen_adequacy.is_noise { 0.0 } else { self.to_be_explained_pa() };
-        if !follows_the_test && self.chosen_adequacy.settles(before_pa) {
+        if !depends_on_test && self.chosen_adequacy.accounts_for(before_pa) {
             return match self.explains(before_pa) {
                 _ if nothing_named => Verdict::Adequate,
                 _ if self.chosen.fit.exhausted().is_some() || self.chosen.fit.needs_other_surroundings() => {
@@ -94,7 +94,7 @@ impl Search {
     }
 
     /// Whether the chosen model is adequate with credible ambient temperatures of the records.
-    pub(super) fn is_settled(&self) -> bool {
+    pub(super) fn is_credibly_adequate(&self) -> bool {
         self.chosen_adequacy.is_adequate() && !self.chosen.fit.needs_other_surroundings()
     }
 }
@@ -110,7 +110,7 @@ mod tests {
     use chamber::effects::{EffectSet, Leakage, find};
 
     #[test]
-    fn what_effects_explain_beside_a_timing_is_judged_by_what_the_timing_alone_leaves() {
+    fn effects_beside_a_timing_are_judged_by_the_misfit_that_the_timing_alone_leaves() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("record_delay", &[0.01]);
         let recipe = recipe.with("leakage", &[1e-12]);
         let mut search = Search::after_first_fit(&recipe);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn little_that_is_left_is_explained_by_effects_that_are_tried_by_themselves_only() {
+    fn effects_explain_a_misfit_with_little_left_only_if_they_are_also_tried_alone() {
         let mut search = Search::after_first_fit(&Recipe { repeats: 1, ..Recipe::from_seed(5) });
         let mut explains = |name: &str, left: f64| {
             search.chosen.model = Model::with(EffectSet::one(find(name).unwrap().0));
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_on_records_left_out_whole_describes_and_does_not_explain() {
+    fn effects_that_fail_on_records_left_out_whole_describe_and_do_not_explain() {
         let mut recipe = Recipe::from_seed(5);
         recipe.chamber.effects.of_mut(Leakage::INDEX)[0] = 2e-11;
         let mut search = Search::after_first_fit(&recipe);
@@ -173,14 +173,14 @@ mod tests {
         // With few records, each of which need not show all of the effect, it is enough that most of the error goes.
         search.data.traces.truncate(3);
         search.data.traces.iter_mut().for_each(|t| t.repeat = 0);
-        search.chosen.fit.own.truncate(3);
+        search.chosen.fit.records.truncate(3);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Explained);
         search.chosen.held_out = share_of_baseline(&search, 0.4);
         assert_eq!(search.verdict(false, search.carries_over()), Verdict::Improved);
     }
 
     #[test]
-    fn what_halves_the_misfit_and_errs_no_more_on_left_out_data_improves_whatever_else_is_left_there() {
+    fn halving_the_misfit_and_carrying_over_is_an_improvement_however_large_the_left_out_error() {
         let recipe = Recipe { repeats: 2, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
         let mut search = Search::after_first_fit(&recipe);
         search.first_round();

@@ -200,8 +200,8 @@ impl Recipe {
             if r.below(4) == 0 {
                 moves.push((from_m, push(&mut r), r.one_of(shapes), hold(&mut r)));
             }
-            let way = if to < from_m { "compress" } else { "expand" };
-            recipe.tests.push(Test { name: format!("{way}-{}", k + 1), pressure_pa, from_m, moves });
+            let verb = if to < from_m { "compress" } else { "expand" };
+            recipe.tests.push(Test { name: format!("{verb}-{}", k + 1), pressure_pa, from_m, moves });
         }
         recipe
     }
@@ -243,7 +243,7 @@ impl Recipe {
     /// Sonic conductance of a leak at a strength, m³/(s Pa): strength 1 loses 1 % of the gas per relaxation time at 3 bar.
     pub fn leak_of(&self, strength: f64) -> f64 {
         let (_, relaxation) = self.scales();
-        1e-2 * self.chamber.geometry.volume(self.way().0) / 1e5 / relaxation * strength
+        1e-2 * self.chamber.geometry.volume(self.position_range().0) / 1e5 / relaxation * strength
     }
 
     fn scales_at(&self, position: f64) -> (f64, f64) {
@@ -255,13 +255,13 @@ impl Recipe {
 
     /// Heat capacity of the gas at 3 bar, J/K, and its relaxation time, s: scales for strengths.
     fn scales(&self) -> (f64, f64) {
-        self.scales_at(self.way().0)
+        self.scales_at(self.position_range().0)
     }
 
     /// An effect of the list at a strength: 1 is about what a worn bench shows.
     pub fn with_strength(self, effect: usize, strength: f64) -> Self {
         let (capacity, relaxation) = self.scales();
-        let volume = self.chamber.geometry.volume(self.way().0);
+        let volume = self.chamber.geometry.volume(self.position_range().0);
         let values: Vec<f64> = match CARDS[effect].name {
             "leakage" => vec![self.leak_of(strength)],
             "wall_heating" => vec![8.0 * capacity / strength, 0.3 * capacity / relaxation],
@@ -312,7 +312,7 @@ impl Recipe {
     pub fn chamber_as_recorded(&self) -> Chamber {
         let mut chamber = self.chamber;
         let stated = &self.faults.stated;
-        let (low, high) = self.way();
+        let (low, high) = self.position_range();
         let [at_low, at_high] = [low, high].map(self.off_a_straight_line());
         let slope = (at_high - at_low) / (high - low);
         let zero = stated.position_offset_m / stated.position_times + at_low - slope * low;
@@ -321,9 +321,9 @@ impl Recipe {
     }
 
     /// The lowest and the highest position of all tests, m.
-    fn way(&self) -> (f64, f64) {
-        let places = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
-        extremes(&places.collect::<Vec<_>>())
+    fn position_range(&self) -> (f64, f64) {
+        let ends = self.tests.iter().flat_map(|t| t.moves.iter().map(|m| m.0).chain([t.from_m]));
+        extremes(&ends.collect::<Vec<_>>())
     }
 
     /// The rig with its simulated traces.
@@ -369,8 +369,8 @@ impl Recipe {
 
     /// Deviation of the recorded positions from a straight line, m, over the position.
     fn off_a_straight_line(&self) -> impl Fn(f64) -> f64 {
-        let (wave, way) = (self.faults.position_wave, self.way());
-        move |x| wave.map_or(0.0, |wave| wave.at(x, way))
+        let (wave, position_range) = (self.faults.position_wave, self.position_range());
+        move |x| wave.map_or(0.0, |wave| wave.at(x, position_range))
     }
 
     fn trace(&self, test: usize, repeat: usize) -> Trace {

@@ -89,9 +89,9 @@ impl Stroke {
         if inside >= m.begin_s + m.length_s {
             return (m.ends_m[1], 0.0);
         }
-        let (way, rate) = m.shape.at(((t - m.begin_s) / m.length_s).clamp(0.0, 1.0));
+        let (progress, rate) = m.shape.at(((t - m.begin_s) / m.length_s).clamp(0.0, 1.0));
         let span = m.ends_m[1] - m.ends_m[0];
-        (m.ends_m[0] + span * way, span * rate / m.length_s)
+        (m.ends_m[0] + span * progress, span * rate / m.length_s)
     }
 
     /// Whether the stroke has a corner within `reach` of time `t`.
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_shape_goes_all_the_way_with_the_speed_that_it_says() {
+    fn every_shape_makes_the_whole_travel_at_its_stated_speed() {
         for shape in Shape::ALL {
             assert_eq!(shape.at(0.0).0, 0.0, "{shape:?}");
             assert!((shape.at(1.0).0 - 1.0).abs() < 1e-15, "{shape:?}");

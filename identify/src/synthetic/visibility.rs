@@ -115,7 +115,7 @@ mod tests {
     use chamber::effects;
 
     #[test]
-    fn what_the_papers_parameters_take_up_does_not_show_and_a_leak_does() {
+    fn an_effect_that_the_papers_parameters_absorb_is_invisible_and_a_leak_is_not() {
         let recipe = Recipe::from_seed(4);
         let mut other = recipe.clone();
         other.chamber.heat_transfer.coefficient *= 1.01;
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_effects_each_shows_beside_the_other_and_a_warm_wall_behind_the_surroundings_does_not() {
+    fn of_two_effects_a_leak_is_visible_beside_the_other_and_a_warm_wall_is_not() {
         let recipe = Recipe::from_seed(4);
         let two = recipe.clone().with("leakage", &[recipe.leak_of(1.0)]).with("warm_wall", &[5.0]);
         let [leak, wall] = ["leakage", "warm_wall"].map(|name| beside_others_pa(&two, effects::find(name).unwrap().0));

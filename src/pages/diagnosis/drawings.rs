@@ -3,7 +3,7 @@
 use super::spectrum;
 use identify::Diagnosed;
 use identify::discrepancy::Variable;
-use identify::outcome::read_off::Empirical;
+use identify::outcome::empirical::Empirical;
 use identify::outcome::unnamed::Unnamed;
 use identify::record::data::Prepared;
 use identify::record::stroke::Phase;

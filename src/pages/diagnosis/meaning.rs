@@ -2,7 +2,7 @@
 
 use chamber::effects::empirical::Term;
 use identify::discrepancy::Variable;
-use identify::outcome::read_off::Empirical;
+use identify::outcome::empirical::Empirical;
 use identify::outcome::unnamed::{Subject, Unnamed};
 use report::digits;
 

@@ -6,7 +6,7 @@
 use super::windows::Window;
 use crate::policy::DECISIVE;
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
-use crate::record::whiten::{Place, Whitener};
+use crate::record::whiten::{Observation, Whitener};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
@@ -19,9 +19,9 @@ const MOST_ROUNDS: usize = 100;
 pub const COHERENT: RangeInclusive<f64> = 5.0..=1000.0;
 /// A line's variance is at most what the windows show of it plus this many standard errors, 1/√n for n windows: a few windows
 /// happen to show less than usual.
-const SEEN_WITHIN: f64 = 3.0;
+const STANDARD_ERRORS: f64 = 3.0;
 /// In single records a model has adapted to a line of few periods, but has left at least this fraction of its variance.
-const SEEN_ALONE: f64 = 0.25;
+const LEAST_LEFT: f64 = 0.25;
 /// Cost of a process beyond its two parameters, since its time or frequency is chosen among many.
 const CHOSEN_AMONG_MANY: f64 = 8.0;
 
@@ -55,7 +55,7 @@ pub struct Likelihood<'a> {
     /// Fewest periods of a hum in the longest window.
     pub fewest_periods: f64,
     /// Whether the windows are contrasts of repeats, which show a line at its full size.
-    pub pure: bool,
+    pub are_contrasts: bool,
     /// Least white part, Pa. Without this limit the likelihood of windows without noise would rise for ever as the white part
     /// shrinks beside a coloured one.
     pub least_pa: f64,
@@ -233,7 +233,7 @@ impl Likelihood<'_> {
                     continue;
                 }
                 let trial = self.scaled(&trial);
-                if trial.0 < best.0 - 1e-3 && self.is_seen(&trial.1) {
+                if trial.0 < best.0 - 1e-3 && self.agrees_with_scatter(&trial.1) {
                     (best, moved) = (trial, true);
                 }
             }
@@ -246,7 +246,7 @@ impl Likelihood<'_> {
 
     /// Whether the windows scatter as much as a line of this size makes them. A line of about one period may come out far larger:
     /// its sine and cosine then cancel where they follow something else.
-    fn is_seen(&self, noise: &Noise) -> bool {
+    fn agrees_with_scatter(&self, noise: &Noise) -> bool {
         let Some(hum) = noise.hum else { return true };
         // The mean of a sine with a random phase has sinc² times the variance of the sine.
         let of_a_sine = |w: &Window| {
@@ -256,7 +256,11 @@ impl Likelihood<'_> {
         };
         let seen: f64 = self.windows.iter().map(Window::squares).sum();
         let expected: f64 = self.windows.iter().map(of_a_sine).sum();
-        let within = if self.pure { 1.0 + SEEN_WITHIN / (self.windows.len() as f64).sqrt() } else { 1.0 / SEEN_ALONE };
+        let within = if self.are_contrasts {
+            1.0 + STANDARD_ERRORS / (self.windows.len() as f64).sqrt()
+        } else {
+            1.0 / LEAST_LEFT
+        };
         hum.sd_pa * hum.sd_pa * expected <= within * seen
     }
 
@@ -359,15 +363,15 @@ fn with(noise: &Noise, colour: Colour) -> Noise {
 
 fn whitener(noise: &Noise, window: &Window) -> Whitener {
     let length = window.distance_s * (window.averaged - 1) as f64 / window.averaged as f64;
-    let places: Vec<Place> = (0..window.values.len())
-        .map(|i| Place {
+    let observations: Vec<Observation> = (0..window.values.len())
+        .map(|i| Observation {
             begin_s: i as f64 * window.distance_s,
             end_s: i as f64 * window.distance_s + length,
             variance: noise.white_pa.powi(2) / window.averaged as f64,
-            ..Place::default()
+            ..Observation::default()
         })
         .collect();
-    Whitener::new(noise, &places)
+    Whitener::new(noise, &observations)
 }
 
 /// |Σ v e^(−i ω k)|²/n, by Goertzel's recurrence.
@@ -412,7 +416,8 @@ mod tests {
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, are_contrasts: false, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -431,7 +436,8 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood = Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood =
+            Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, are_contrasts: false, least_pa: 0.0 };
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -452,8 +458,13 @@ mod tests {
                 Window { values, distance_s: ROW_S, averaged: 1, in_common: Vec::new() }
             })
             .collect();
-        let likelihood =
-            Likelihood { windows: &windows, free: FREE_IN_CONTRAST, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood = Likelihood {
+            windows: &windows,
+            free: FREE_IN_CONTRAST,
+            fewest_periods: 0.5,
+            are_contrasts: false,
+            least_pa: 0.0,
+        };
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
@@ -483,11 +494,16 @@ mod tests {
     }
 
     #[test]
-    fn short_windows_tell_how_flicker_noise_wanders_over_a_record() {
+    fn short_windows_show_the_wander_of_flicker_noise_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
-        let likelihood =
-            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood = Likelihood {
+            windows: &windows,
+            free: FREE_ALONE,
+            fewest_periods: 0.5,
+            are_contrasts: false,
+            least_pa: 0.0,
+        };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
         // 40 Pa in each half decade.
@@ -498,21 +514,31 @@ mod tests {
     #[test]
     fn noise_of_one_correlation_time_does_not_flicker() {
         let windows = coloured_windows(&[0.05; 8], 7);
-        let likelihood =
-            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood = Likelihood {
+            windows: &windows,
+            free: FREE_ALONE,
+            fewest_periods: 0.5,
+            are_contrasts: false,
+            least_pa: 0.0,
+        };
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert_eq!(found.colours.len(), 1, "{found:?}");
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
     }
 
     #[test]
-    fn of_two_accounts_that_few_windows_do_not_tell_apart_the_one_that_wanders_more_is_taken() {
+    fn of_two_noise_models_that_few_windows_do_not_distinguish_the_one_that_wanders_more_is_taken() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let mut coloured = 0;
         for seed in 0..8 {
             let windows: Vec<Window> = coloured_windows(&times_s, 100 + seed).into_iter().take(8).collect();
-            let likelihood =
-                Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 2.0, pure: false, least_pa: 0.0 };
+            let likelihood = Likelihood {
+                windows: &windows,
+                free: FREE_ALONE,
+                fewest_periods: 2.0,
+                are_contrasts: false,
+                least_pa: 0.0,
+            };
             let white = likelihood.scaled(&Noise::white(1.0));
             let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
             assert!(found.flickers(), "{seed}: {found:?}");
@@ -524,11 +550,16 @@ mod tests {
     }
 
     #[test]
-    fn what_a_model_leaves_of_records_without_noise_is_no_colour_and_no_less_than_the_least_white() {
+    fn the_residual_of_records_without_noise_is_white_and_at_least_the_least_white_noise() {
         // A decay of 1 Pa without any noise: the likelihood of a colour alone has no maximum.
         let windows = windows_of(|i| (-(i as f64) / 200.0).exp());
-        let likelihood =
-            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 5.0 };
+        let likelihood = Likelihood {
+            windows: &windows,
+            free: FREE_ALONE,
+            fewest_periods: 0.5,
+            are_contrasts: false,
+            least_pa: 5.0,
+        };
         let found = likelihood.best(&Noise::white(5.0), likelihood.longest_s(), 60.0);
         assert_eq!(found, Noise::white(5.0));
     }
@@ -537,8 +568,13 @@ mod tests {
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood =
-            Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods: 0.5, pure: false, least_pa: 0.0 };
+        let likelihood = Likelihood {
+            windows: &windows,
+            free: FREE_ALONE,
+            fewest_periods: 0.5,
+            are_contrasts: false,
+            least_pa: 0.0,
+        };
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
@@ -561,14 +597,14 @@ mod tests {
             .collect();
         let scatter = |w: &Window| w.squares() / w.values.len() as f64;
         let shown_pa = (windows.iter().map(scatter).sum::<f64>() / windows.len() as f64).sqrt();
-        let sd_pa = |pure: bool| {
+        let sd_pa = |are_contrasts: bool| {
             let free = FREE_IN_CONTRAST;
-            let likelihood = Likelihood { windows: &windows, free, fewest_periods: 1.0, pure, least_pa: 0.0 };
+            let likelihood = Likelihood { windows: &windows, free, fewest_periods: 1.0, are_contrasts, least_pa: 0.0 };
             let (_, noise) = likelihood.humming(&likelihood.scaled(&Noise::white(60.0)).1).unwrap();
             noise.hum.unwrap().sd_pa
         };
-        let most_pa = shown_pa * (1.0 + SEEN_WITHIN / 20.0_f64.sqrt()).sqrt();
-        let [contrasts_pa, alone_pa, limit_pa] = [sd_pa(true), sd_pa(false), shown_pa / SEEN_ALONE.sqrt()];
+        let most_pa = shown_pa * (1.0 + STANDARD_ERRORS / 20.0_f64.sqrt()).sqrt();
+        let [contrasts_pa, alone_pa, limit_pa] = [sd_pa(true), sd_pa(false), shown_pa / LEAST_LEFT.sqrt()];
         assert!(contrasts_pa <= most_pa, "{contrasts_pa} {most_pa}");
         assert!(alone_pa > most_pa && alone_pa < 1.05 * limit_pa, "{alone_pa} {most_pa} {limit_pa}");
     }

@@ -16,7 +16,7 @@ use crate::policy::DECISIVE;
 use crate::record::data::{Data, Prepared};
 use crate::record::noise::{Hum, Noise};
 use likelihood::{COHERENT, Likelihood, scale_by};
-use windows::{Window, in_keeping, quiet_rows, window, windows};
+use windows::{Window, quiet_rows, window, windows, without_outlying_windows};
 
 /// Number of coefficients of the polynomial that a window of a single record is free of.
 const FREE_ALONE: usize = 4;
@@ -40,9 +40,9 @@ const MOST_OF_RANGE: f64 = 0.05;
 /// The noise of a rig from the residuals (measured − model, Pa, row by row) of a fit; `before` gives what does not change: the
 /// step, and what the rig states.
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
-    let (mut windows, pure) = windows(data, residuals, before.white_pa);
+    let (mut windows, are_contrasts) = windows(data, residuals, before.white_pa);
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    let sticks = before.sticks && !(pure && exceeds_rounding(&windows, before.rounding_pa()));
+    let sticks = before.sticks && !(are_contrasts && exceeds_rounding(&windows, before.rounding_pa()));
     // What a sticking sensor shows between its steps is rounding, which is modelled separately.
     if sticks || points < FEWEST_POINTS {
         return before.clone();
@@ -50,13 +50,15 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
         windows = windows.into_iter().step_by(2).collect();
     }
-    let (free, fewest_periods) = if pure { (FREE_IN_CONTRAST, FEWEST_SEEN) } else { (FREE_ALONE, FEWEST_PERIODS) };
-    let likelihood = Likelihood { windows: &windows, free, fewest_periods, pure, least_pa: data.least_noise_pa() };
+    let (free, fewest_periods) =
+        if are_contrasts { (FREE_IN_CONTRAST, FEWEST_SEEN) } else { (FREE_ALONE, FEWEST_PERIODS) };
+    let likelihood =
+        Likelihood { windows: &windows, free, fewest_periods, are_contrasts, least_pa: data.least_noise_pa() };
     let white_pa = before.white_pa.max(before.rounding_pa());
     let record_s = data.traces.iter().filter_map(|t| t.time_s.last().copied()).fold(0.0, f64::max);
     let start = Noise { colours: Vec::new(), hum: None, sticks: false, white_pa, record_s, ..before.clone() };
-    let longest_s = if pure { record_s } else { likelihood.longest_s() };
-    let hum = if pure { None } else { slow_hum(data, residuals, &start) };
+    let longest_s = if are_contrasts { record_s } else { likelihood.longest_s() };
+    let hum = if are_contrasts { None } else { slow_hum(data, residuals, &start) };
     let mut noise = likelihood.best(&Noise { hum, ..start.clone() }, longest_s, record_s);
     if noise.coloured_pa() > MOST_OF_RANGE * data.pressure_range_pa() {
         return start;
@@ -84,9 +86,9 @@ fn slow_hum(data: &Data, residuals: &[Vec<f64>], start: &Noise) -> Option<Hum> {
         let rows = segments.map(|s| quiet_rows(t, s, false, start.white_pa));
         rows.filter_map(|rows| window(t, rows.into_iter().map(|i| residual[i]).collect())).collect()
     };
-    let windows = in_keeping(data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect());
+    let windows = without_outlying_windows(data.traces.iter().zip(residuals).flat_map(rests_and_holds).collect());
     let (fewest_periods, least_pa) = (FEWEST_SEEN, data.least_noise_pa());
-    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, pure: false, least_pa };
+    let likelihood = Likelihood { windows: &windows, free: FREE_ALONE, fewest_periods, are_contrasts: false, least_pa };
     let longest_s = likelihood.longest_s();
     // A colour represents what the model itself leaves.
     let colour = |noise: &Noise| likelihood.with_another_colour(noise, longest_s);
@@ -120,7 +122,7 @@ fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::between_rows::Look;
+    use crate::record::between_rows::SensorTiming;
     use crate::record::stroke::Phase;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
@@ -133,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn single_records_of_one_and_a_half_periods_show_a_hum_by_which_nothing_but_white_noise_is_left() {
+    fn single_records_of_one_and_a_half_periods_show_a_hum_that_leaves_only_white_noise() {
         let hum = ALL.iter().find(|recording| recording.name == "hum").unwrap();
         // Rests and holds of at most 5 s, and a hum of 0.3 Hz.
         let noise = shown(&hum.apply(Recipe::wide(16_003)));
@@ -142,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn repeats_show_how_large_a_hum_is_of_which_a_hold_lasts_little_more_than_a_period() {
+    fn repeats_show_the_size_of_a_hum_although_a_hold_lasts_little_more_than_a_period() {
         let mut recipe = Recipe { noise_pa: 30.0, ..Recipe::from_seed(5) };
         let holds = Data::prepare(&recipe.rig()).unwrap().traces.into_iter().flat_map(|t| t.course.motion.segments);
         let longest_s = holds.filter(|s| s.phase == Phase::Hold).map(|s| s.to_s - s.from_s).fold(0.0, f64::max);
@@ -155,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_a_tenth_of_the_range_is_no_hum_of_the_recording() {
+    fn an_oscillation_of_a_tenth_of_the_range_is_no_hum() {
         let mut recipe = Recipe { noise_pa: 1000.0, ..Recipe::from_seed(5) };
         let amplitude_pa = 0.15 * Data::prepare(&recipe.rig()).unwrap().pressure_range_pa();
         recipe.faults.disturbances.push(Disturbance::Hum { amplitude_pa, frequency_hz: 0.7 });
@@ -164,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_missing_effect_leaves_of_single_records_is_no_hum() {
+    fn the_residual_of_a_missing_effect_in_single_records_is_no_hum() {
         for (seed, name, parameters) in [
             (6, "wall_heating", &[40.0, 0.5][..]),
             (7, "wall_heating", &[200.0, 0.5]),
@@ -180,12 +182,13 @@ mod tests {
     }
 
     #[test]
-    fn what_averaged_positions_hide_of_a_move_is_no_noise_of_the_rests_and_holds_beside_it() {
+    fn the_error_of_moves_by_averaged_positions_is_no_noise_of_the_rests_and_holds_beside_them() {
         let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
         let data = Data::prepare(&recipe.rig()).unwrap();
         let window_s = 0.3;
-        let looks: Vec<Look> = data.traces.iter().map(|_| Look { window_s, ..Look::default() }).collect();
-        let data = data.looked_at(&looks).unwrap();
+        let sensor_timings: Vec<SensorTiming> =
+            data.traces.iter().map(|_| SensorTiming { window_s, ..SensorTiming::default() }).collect();
+        let data = data.with_timings(&sensor_timings).unwrap();
         // A misfit within a window of each move, and nothing else.
         let beside = |t: &Prepared, time: f64| {
             let moves = t.course.motion.segments.iter().filter(|s| s.phase == Phase::Move);

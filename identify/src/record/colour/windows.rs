@@ -45,7 +45,7 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Windo
         contrasts(data, residuals, &repeats::of(data, experiment), white_pa, &mut out);
     }
     if !out.is_empty() {
-        return (in_keeping(out), true);
+        return (without_outlying_windows(out), true);
     }
     for (t, residual) in data.traces.iter().zip(residuals) {
         for s in 0..t.course.motion.segments.len() {
@@ -58,12 +58,12 @@ pub fn windows(data: &Data, residuals: &[Vec<f64>], white_pa: f64) -> (Vec<Windo
             }
         }
     }
-    (in_keeping(out), false)
+    (without_outlying_windows(out), false)
 }
 
 /// Leaves out windows that stand out from others of similar length: what a fault of a single record leaves, such as a frozen
 /// reading or a port opened for a while, is not noise of the recording.
-pub fn in_keeping(windows: Vec<Window>) -> Vec<Window> {
+pub fn without_outlying_windows(windows: Vec<Window>) -> Vec<Window> {
     let mean_square = |w: &Window| w.squares() / w.values.len() as f64;
     let duration_s = |w: &Window| w.values.len() as f64 * w.distance_s;
     let stands_out: Vec<bool> = windows
@@ -90,7 +90,7 @@ pub fn quiet_rows(t: &Prepared, segment: usize, late: bool, white_pa: f64) -> Ve
     let begin = t.blocks.partition_point(|b| b.segment < segment);
     let own = &t.blocks[begin..t.blocks.partition_point(|b| b.segment <= segment)];
     let known =
-        own.split(|b| b.by_position_pa > white_pa).filter_map(|part| Some(part.first()?.first..part.last()?.end));
+        own.split(|b| b.position_sd_pa > white_pa).filter_map(|part| Some(part.first()?.first..part.last()?.end));
     let longest = known.max_by_key(|rows| rows.len()).unwrap_or_default();
     longest.filter(|&i| i >= first && t.readout.is_data(i)).collect()
 }
@@ -104,7 +104,7 @@ fn contrasts(data: &Data, residuals: &[Vec<f64>], of: &[usize], white_pa: f64, o
     }
     for segment in 0..first.course.motion.segments.len() {
         let rows: Vec<Vec<usize>> = traces.iter().map(|t| quiet_rows(t, segment, false, white_pa)).collect();
-        let rows = repeats::beside_each_other(&traces, segment, &rows);
+        let rows = repeats::aligned_rows(&traces, segment, &rows);
         let length = rows[0].len();
         let aligned = |k: usize, i: usize| residuals[of[k]][rows[k][i]];
         for order in 1..of.len() {
@@ -156,7 +156,7 @@ mod tests {
     use crate::synthetic::Random;
 
     #[test]
-    fn a_window_that_one_faulty_record_leaves_is_no_noise_and_short_quiet_ones_beside_long_loud_ones_are() {
+    fn the_window_of_a_faulty_record_is_outlying_and_short_quiet_ones_beside_long_loud_ones_are_not() {
         let mut random = Random::new(5);
         let mut window = |rows: usize, sd_pa: f64| Window {
             values: (0..rows).map(|_| sd_pa * random.normal()).collect(),
@@ -165,9 +165,9 @@ mod tests {
             in_common: Vec::new(),
         };
         let sizes = [(500, 50.0), (600, 60.0), (500, 5e3), (700, 50.0), (550, 80.0), (40, 3.0), (50, 2.0)];
-        let kept = in_keeping(sizes.map(|(rows, sd_pa)| window(rows, sd_pa)).into());
+        let kept = without_outlying_windows(sizes.map(|(rows, sd_pa)| window(rows, sd_pa)).into());
         assert_eq!(kept.iter().map(|w| w.values.len()).collect::<Vec<_>>(), [500, 600, 700, 550, 40, 50]);
         // Three windows do not show which is the usual one.
-        assert_eq!(in_keeping(vec![window(500, 50.0), window(500, 50.0), window(500, 5e3)]).len(), 3);
+        assert_eq!(without_outlying_windows(vec![window(500, 50.0), window(500, 50.0), window(500, 5e3)]).len(), 3);
     }
 }

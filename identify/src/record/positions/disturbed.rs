@@ -8,7 +8,7 @@ use records::extremes;
 /// A reading stands out if it is this many standard deviations of the noise from the median of those around it...
 const FROM_MEDIAN: f64 = 9.0;
 /// ...and also this fraction of the whole travel...
-const OF_THE_WAY: f64 = 1e-3;
+const OF_THE_TRAVEL: f64 = 1e-3;
 /// ...and this multiple of the distance of half of them: a piston comes and goes, but not within two rows.
 const OF_THE_OTHERS: f64 = 6.0;
 /// Rows on either side that a reading is compared with.
@@ -39,15 +39,15 @@ fn stand_out_at_once(rows: &[usize], position_m: &[f64]) -> Vec<usize> {
     let readings: Vec<f64> = rows.iter().map(|&row| position_m[row]).collect();
     let (low, high) = extremes(&readings);
     let noise_m = position_noise(&readings);
-    let least = (FROM_MEDIAN * noise_m).max(OF_THE_WAY * (high - low));
+    let least = (FROM_MEDIAN * noise_m).max(OF_THE_TRAVEL * (high - low));
     if readings.len() < 2 * REACH + 1 {
         return Vec::new();
     }
     let last = readings.len() - 1;
     // Beyond its second and second-last readings a record is mirrored.
     let at = |k: usize, by: isize| {
-        let place = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
-        readings[if place > last { 2 * last - place } else { place }]
+        let index = k.checked_add_signed(by).unwrap_or_else(|| by.unsigned_abs() - k);
+        readings[if index > last { 2 * last - index } else { index }]
     };
     let stands_out = |k: &usize| {
         if *k == 0 || *k == last {

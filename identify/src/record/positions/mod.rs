@@ -170,9 +170,9 @@ mod tests {
         // 50 mm in 80 ms at 100 Hz, evenly or smoothly, from a third of a row to two rows after the first one.
         for begin in [0.3, 0.5, 0.8, 1.0, 1.4, 1.9] {
             for is_even in [true, false] {
-                let way = |u: f64| if is_even { u } else { u * u * u * (10.0 - 15.0 * u + 6.0 * u * u) };
-                let place = |row: u32| 0.08 - 0.05 * way(((f64::from(row) - begin) / 8.0).clamp(0.0, 1.0));
-                let mut position_m: Vec<f64> = (0..200).map(|row| place(row) + 5e-6 * random.normal()).collect();
+                let progress = |u: f64| if is_even { u } else { u * u * u * (10.0 - 15.0 * u + 6.0 * u * u) };
+                let position = |row: u32| 0.08 - 0.05 * progress(((f64::from(row) - begin) / 8.0).clamp(0.0, 1.0));
+                let mut position_m: Vec<f64> = (0..200).map(|row| position(row) + 5e-6 * random.normal()).collect();
                 assert_eq!(Positions::of(&position_m).outliers, [], "{begin} {is_even}");
                 position_m.reverse();
                 assert_eq!(Positions::of(&position_m).outliers, [], "{begin} {is_even}");

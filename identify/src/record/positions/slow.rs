@@ -99,7 +99,7 @@ fn straight_between(position_m: &[f64]) -> Option<Vec<usize>> {
     let readout = interpolated(&micrometres(position_m))?;
     // An encoder's single steps in a steady move can fall on every k-th row as well.
     let bends: Vec<usize> = bends(position_m).into_iter().filter(|&row| readout.is_reading(row)).collect();
-    let shown = bends.len() >= FEWEST_JUMPS && between_ways(position_m, &bends, readout.period);
+    let shown = bends.len() >= FEWEST_JUMPS && within_motion(position_m, &bends, readout.period);
     shown.then(|| (0..position_m.len()).filter(|&row| readout.is_reading(row)).collect())
 }
 
@@ -113,7 +113,7 @@ fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
     let gaps = gaps(&bends);
     let period = common_divisor(&gaps).filter(|period| no_chance(gaps.len(), *period))?;
     let one_apart = gaps.iter().filter(|gap| **gap == period).count();
-    let shown = 2 * one_apart > gaps.len() && between_ways(position_m, &bends, period);
+    let shown = 2 * one_apart > gaps.len() && within_motion(position_m, &bends, period);
     let Bends { squares, rounding, .. } = Bends::of(&micrometres(position_m));
     let between = squares.into_iter().zip(1..).filter(|(_, row)| row % period != bends[0] % period);
     let shown = shown && !scatter(between.map(|(square, _)| square), rounding);
@@ -122,12 +122,12 @@ fn far_apart(position_m: &[f64]) -> Option<Vec<usize>> {
 
 /// Whether as many of these bends lie within motion as do in a move, or in noise. The corners of a planned stroke can also be
 /// multiples of many rows apart, but have a rest on one side.
-fn between_ways(position_m: &[f64], bends: &[usize], period: usize) -> bool {
+fn within_motion(position_m: &[f64], bends: &[usize], period: usize) -> bool {
     /// A ramp that is read slowly has half of its bends at rest.
     const SHARE: f64 = 0.25;
     let nothing = 0.5 * step(position_m);
-    let way = |row: usize| position_m.get(row + period).map_or(0.0, |next| next - position_m[row]);
-    let at = |row: &&usize| way(row.saturating_sub(period)).abs() > nothing && way(**row).abs() > nothing;
+    let change = |row: usize| position_m.get(row + period).map_or(0.0, |next| next - position_m[row]);
+    let at = |row: &&usize| change(row.saturating_sub(period)).abs() > nothing && change(**row).abs() > nothing;
     bends.iter().filter(at).count() as f64 > SHARE * bends.len() as f64
 }
 
@@ -144,7 +144,7 @@ mod tests {
     use crate::synthetic::Random;
 
     #[test]
-    fn steps_of_an_encoder_along_a_steady_way_are_no_held_readout() {
+    fn steps_of_an_encoder_in_a_steady_move_are_no_held_readout() {
         let position_m: Vec<f64> = (0..900).map(|row| 0.1 - 1e-4 * (row.clamp(300, 600) / 3) as f64).collect();
         assert_eq!(readings(&position_m), None);
     }
@@ -165,13 +165,13 @@ mod tests {
     }
 
     #[test]
-    fn the_corners_of_a_triangle_are_no_readings_where_the_rows_between_them_have_a_noise_of_their_own() {
+    fn the_corners_of_a_triangle_are_no_readings_where_the_rows_between_them_are_noisy() {
         let mut random = Random::new(9);
         for (noise_m, step_m) in [(5e-6, 1e-6), (1e-6, 1e-6), (1e-6, 1e-9), (5e-7, 1e-6)] {
             let corner = |row: usize| (row % 100) as f64 / 50.0 - 1.0;
-            let place = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
+            let position = |row: usize| 0.1 - 0.03 * (1.0 - corner(row).abs());
             let triangle: Vec<f64> = (0..1000)
-                .map(|row| if !(100..=900).contains(&row) { 0.1 } else { place(row) } + noise_m * random.normal())
+                .map(|row| if !(100..=900).contains(&row) { 0.1 } else { position(row) } + noise_m * random.normal())
                 .map(|x| (x / step_m).round() * step_m)
                 .collect();
             assert_eq!(readings(&triangle), None, "noise of {noise_m} m in steps of {step_m} m");
@@ -181,13 +181,13 @@ mod tests {
     /// Moves of 100 rows each, read at every 20th row from the fifth on, straight in between, and rounded to 1 µm.
     fn interpolated_moves(moves: usize) -> Vec<f64> {
         let mut random = Random::new(8);
-        let way = |row: f64| {
+        let position = |row: f64| {
             let u = ((row / 500.0).fract() * 5.0 - 2.0).clamp(0.0, 1.0);
             let done = (row / 500.0).floor() + u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
             0.1 - 0.02 * done
         };
         let readings: Vec<f64> = (0..=25 * moves)
-            .map(|k| way((20 * k) as f64) + 4e-7 * random.normal())
+            .map(|k| position((20 * k) as f64) + 4e-7 * random.normal())
             .map(|x| (x * 1e6).round() * 1e-6)
             .collect();
         let between = |row: usize| {

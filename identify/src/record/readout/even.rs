@@ -82,13 +82,13 @@ fn held_for(changes: &[usize], period: usize) -> Option<Even> {
     changes.iter().for_each(|row| at[row % period] += 1);
     let (first, on_grid) = at.into_iter().enumerate().max_by_key(|(first, count)| (*count, period - first))?;
     let (all, off) = (changes.len() as f64, (changes.len() - on_grid) as f64);
-    let chance = ways(off, all) - (on_grid - 1) as f64 * (period as f64).ln();
+    let chance = ln_choices(off, all) - (on_grid - 1) as f64 * (period as f64).ln();
     // A sensor that sticks to its steps changes on any row, a slow one on its own rows only.
     (off <= DISTURBED * all && chance <= BY_CHANCE).then_some(Even { between: Between::Held, period, first })
 }
 
 /// Natural logarithm of the number of ways to choose those off a grid from all (Stirling).
-pub fn ways(off: f64, all: f64) -> f64 {
+pub fn ln_choices(off: f64, all: f64) -> f64 {
     if off > 0.0 { off * (1.0 + (all / off).ln()) } else { 0.0 }
 }
 

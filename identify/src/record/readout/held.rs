@@ -5,7 +5,7 @@
 
 use super::super::lattice;
 use super::beat::{BY_CHANCE, Beat, Mark};
-use super::even::{Between, DISTURBED, FEWEST_READINGS, LONGEST_HELD, changes, ways};
+use super::even::{Between, DISTURBED, FEWEST_READINGS, LONGEST_HELD, changes, ln_choices};
 use super::uneven::{Reading, Uneven};
 
 /// Shortest detectable period, rows: at two, every second row would change, whatever the beat.
@@ -14,7 +14,7 @@ const SHORTEST: f64 = 2.03;
 /// is not quite steady.
 const WINDOWS: [f64; 2] = [1.1, 1.6];
 /// Least fraction of the changes that must be evidence of a beat.
-const TELLING: f64 = 0.2;
+const LEAST_EVIDENT: f64 = 0.2;
 
 /// Finds the readout of these rows, with NaN for missing ones; `like` is its period, if known.
 pub fn held(pressure_pa: &[f64], like: Option<f64>) -> Option<Uneven> {
@@ -78,11 +78,11 @@ impl Kept {
                 None => shown.push((k, row)),
             }
         }
-        let telling = telling(&shown, pressure_pa);
-        if (telling as f64) < TELLING * shown.len() as f64 {
+        let evident = count_evident_changes(&shown, pressure_pa);
+        if (evident as f64) < LEAST_EVIDENT * shown.len() as f64 {
             return None;
         }
-        let chance = ways(off, changes.len() as f64) - (telling as f64 - 3.0) * (beat.period / width).ln();
+        let chance = ln_choices(off, changes.len() as f64) - (evident as f64 - 3.0) * (beat.period / width).ln();
         let taken = when_taken(&known, beat.period, is_known);
         // A clock that is not quite steady takes its readings, on average, half a row before they show.
         let beat = taken.unwrap_or(Beat { first: beat.first - 0.5, ..beat });
@@ -122,9 +122,9 @@ impl Kept {
 }
 
 /// The beat at which the readings that first show in these rows were taken, each less than a row before: of all periods that
-/// allow such a beat, the one in which their ages differ least. What remains open of the ages is split evenly, unless it is so
-/// much that only a few different ages occur: then one clock drives sensor and rows, and the newest reading was taken right at
-/// its row.
+/// allow such a beat, the one in which their ages differ least. What remains undetermined of the ages is split evenly,
+/// unless it is so much that only a few different ages occur: then one clock drives sensor and rows, and the newest reading was
+/// taken right at its row.
 fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Beat> {
     const ROUNDS: usize = 60;
     /// Rows; slightly more than one, to allow for the error of a known period.
@@ -135,7 +135,7 @@ fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Bea
         let taken = shown.iter().map(|(k, row)| *row as f64 - k * period);
         taken.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], t| [least.min(t), most.max(t)])
     };
-    let differ = |period: f64| {
+    let age_range = |period: f64| {
         let [newest, oldest] = ages(period);
         oldest - newest
     };
@@ -144,19 +144,19 @@ fn when_taken(shown: &[(f64, usize)], period: f64, is_known: bool) -> Option<Bea
     let [mut low, mut high] = [period - reach, period + reach];
     for _ in 0..ROUNDS {
         let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-        if differ(a) < differ(b) { high = b } else { low = a }
+        if age_range(a) < age_range(b) { high = b } else { low = a }
     }
     let period = 0.5 * (low + high);
     let [newest, oldest] = ages(period);
-    let open = 1.0 - (oldest - newest);
-    let first = if open < ONE_CLOCK { newest - 0.5 * open } else { newest };
-    (differ(period) < MOST).then_some(Beat { first, period })
+    let undetermined = 1.0 - (oldest - newest);
+    let first = if undetermined < ONE_CLOCK { newest - 0.5 * undetermined } else { newest };
+    (age_range(period) < MOST).then_some(Beat { first, period })
 }
 
 /// Number of these changes that are evidence of a beat. The steps of a sensor that is read in every row come at even distances,
 /// too, where the pressure changes steadily: a change of a single step is no evidence if it comes, within one row, as many rows
 /// after the last change as that came after the one before.
-fn telling(shown: &[(f64, usize)], pressure_pa: &[f64]) -> usize {
+fn count_evident_changes(shown: &[(f64, usize)], pressure_pa: &[f64]) -> usize {
     /// A change of less than this many steps is a single step.
     const ONE: f64 = 1.5;
     /// Differences below this are arithmetic rounding, Pa.
@@ -179,7 +179,7 @@ mod tests {
         let taken = |beat: Beat| when_taken(&shown(beat), beat.period + 0.003, false).unwrap();
         let of_rows = taken(Beat { first: 0.0, period: 2.5 });
         assert!((of_rows.period - 2.5).abs() < 1e-6 && of_rows.first.abs() < 1e-6, "{of_rows:?}");
-        // With many different ages, what remains open is split evenly.
+        // With many different ages, what remains undetermined is split evenly.
         let own = Beat { first: 0.31, period: 4.0713 };
         let found = taken(own);
         assert!([0.0, 20.0, 39.0].iter().all(|k| (found.at(*k) - own.at(*k)).abs() < 0.05), "{found:?}");

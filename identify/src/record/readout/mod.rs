@@ -40,7 +40,7 @@ pub struct Readout {
     /// Rows that are not data because the sensor was at an end of its range.
     pub saturated: Vec<Range<usize>>,
     /// Standard deviations of the row times, s, where rows were read unevenly; else empty.
-    pub open_s: Vec<f64>,
+    pub time_sd_s: Vec<f64>,
 }
 
 impl Readout {

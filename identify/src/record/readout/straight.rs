@@ -14,7 +14,7 @@ const SHORTEST: f64 = 2.2;
 /// A squared bend above this multiple of the usual one by rounding is hardly due to rounding.
 const OF_ROUNDING: f64 = 4.0;
 /// Least fraction of the readings whose two bends go the same way (a sensor that changes by a step bends to and fro), ...
-const SAME_WAY: f64 = 0.8;
+const SAME_SIDE: f64 = 0.8;
 /// ...and least number of readings with such bends; the second number is for a known period.
 const FEWEST_PAIRS: [usize; 2] = [FEWEST_READINGS / 2, FEWEST_READINGS / 4];
 /// Accuracy to which a beat is known, rows.
@@ -128,11 +128,11 @@ impl Bent {
             let between = known_squares().filter(|(i, _)| !is_there(*i));
             scatter(between.map(|(_, square)| square), self.rounding)
         };
-        is_straight && chance < BY_CHANCE[known] && self.bend_one_way(beat, FEWEST_PAIRS[known]) && !scatter()
+        is_straight && chance < BY_CHANCE[known] && self.bend_to_one_side(beat, FEWEST_PAIRS[known]) && !scatter()
     }
 
     /// Whether at least `fewest` readings have both rows beside them bent the same way, and hardly any bent to and fro.
-    fn bend_one_way(&self, beat: Beat, fewest: usize) -> bool {
+    fn bend_to_one_side(&self, beat: Beat, fewest: usize) -> bool {
         let is_bent = |bend: &f64| bend * bend > OF_ROUNDING * self.rounding.max(f64::MIN_POSITIVE);
         let clear = BEAT_KNOWN_TO..1.0 - BEAT_KNOWN_TO;
         let pairs: Vec<[f64; 2]> = self
@@ -142,8 +142,8 @@ impl Bent {
             .map(|(_, pair)| pair)
             .filter(|pair| pair.iter().all(is_bent))
             .collect();
-        let one_way = pairs.iter().filter(|[before, after]| before * after > 0.0).count();
-        one_way >= fewest && one_way as f64 >= SAME_WAY * pairs.len() as f64
+        let to_one_side = pairs.iter().filter(|[before, after]| before * after > 0.0).count();
+        to_one_side >= fewest && to_one_side as f64 >= SAME_SIDE * pairs.len() as f64
     }
 }
 

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn disturbances_are_as_large_and_as_coloured_as_they_say() {
+    fn disturbances_have_their_stated_size_and_spectrum() {
         let random = &mut Random::new(7);
         for (kind, lag, expected) in [
             (Disturbance::Autoregressive { sd_pa: 100.0, correlation: 0.9 }, 3, 0.9f64.powi(3)),

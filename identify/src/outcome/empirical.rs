@@ -3,7 +3,7 @@
 use crate::fit::covariance;
 use crate::outcome::unnamed::Subject;
 use crate::parameters::Slot;
-use crate::search::curve::{Fate, ReadOff};
+use crate::search::curve::{CurveFit, Fate};
 use chamber::effects;
 use serde::{Serialize, Serializer};
 
@@ -40,7 +40,7 @@ pub struct LeftOut {
 
 impl Empirical {
     /// The curve that the search found; `None` without one.
-    pub fn of(found: &ReadOff, leaves_noise: bool) -> Option<Self> {
+    pub fn of(found: &CurveFit, leaves_noise: bool) -> Option<Self> {
         let (effect, curve) = (effects::Empirical::INDEX, found.curve()?);
         let fit = &found.candidate.fit;
         let covariance = covariance::covariance(fit, leaves_noise);

@@ -15,21 +15,21 @@ const SHOWS: f64 = 6.0;
 
 /// Standard deviation of the mean position of a segment, m.
 #[derive(Clone, Copy, Debug)]
-struct PlaceError {
+struct PositionError {
     /// Due to the noise of its readings.
     noise_m: f64,
     /// Due to the rounding of a held piston's readings, which averaging does not remove.
     rounding_m: f64,
 }
 
-impl PlaceError {
+impl PositionError {
     fn sd_m(&self) -> f64 {
         self.noise_m.hypot(self.rounding_m)
     }
 }
 
 /// Position errors of all segments.
-fn places(position_m: &[f64], motion: &Motion) -> Vec<PlaceError> {
+fn position_errors(position_m: &[f64], motion: &Motion) -> Vec<PositionError> {
     let step_m = position_noise::step(position_m);
     let of = |s: &Segment| {
         let readings = (s.end - s.first) as f64 / motion.rows_per_reading as f64;
@@ -37,14 +37,14 @@ fn places(position_m: &[f64], motion: &Motion) -> Vec<PlaceError> {
             Phase::Move => 0.0,
             Phase::Rest | Phase::Hold => rounding_of_mean(&position_m[s.first..s.end], step_m),
         };
-        PlaceError { noise_m: motion.noise_m / readings.max(1.0).sqrt(), rounding_m }
+        PositionError { noise_m: motion.noise_m / readings.max(1.0).sqrt(), rounding_m }
     };
     motion.segments.iter().map(of).collect()
 }
 
 /// Sets the errors that the blocks of each rest and hold have in common.
-pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, position_m: &[f64], gamma: f64) {
-    let places = places(position_m, motion);
+pub fn set_common_errors(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, position_m: &[f64], gamma: f64) {
+    let position_errors = position_errors(position_m, motion);
     for (k, segment) in motion.segments.iter().enumerate().filter(|(_, s)| s.phase != Phase::Move) {
         let first = blocks.partition_point(|b| b.segment < k);
         let end = blocks.partition_point(|b| b.segment <= k);
@@ -57,18 +57,18 @@ pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, positio
         };
         let left = before.iter().rfind(|b| b.phase != Phase::Move).zip(moved).map_or(0.0, |(b, moved)| {
             let kept = (-(moved.to_s - moved.from_s) / time_constant_s(own, &relaxing)).exp();
-            kept * places[b.segment].sd_m() * b.per_metre / b.mean_pa
+            kept * position_errors[b.segment].sd_m() * b.per_metre / b.mean_pa
         });
         let rates = rates(own);
         for (b, (r, rate)) in own.iter_mut().zip(relaxing.into_iter().zip(rates)) {
             let warm_pa = (gamma - 1.0) * r * begin_pa;
-            let held = b.per_metre * places[k].sd_m();
+            let held = b.per_metre * position_errors[k].sd_m();
             // The slope of a line through a hold's rows has √12/length times the standard deviation of their mean.
             let middle_s = 0.5 * (segment.from_s + segment.to_s);
             let along =
                 12.0f64.sqrt() * (b.middle_s() - middle_s) / (segment.to_s - segment.from_s).max(f64::MIN_POSITIVE);
             let late = moved.map_or(0.0, |moved| rate * moved.shift_s);
-            b.by_rounding_pa = b.per_metre * places[k].rounding_m;
+            b.position_rounding_sd_pa = b.per_metre * position_errors[k].rounding_m;
             b.common_sd_pa = [held * (1.0 + warm_pa / b.mean_pa), held * along, late, left * warm_pa];
         }
     }
@@ -77,9 +77,9 @@ pub fn share(blocks: &mut [Block], pressure_pa: &[f64], motion: &Motion, positio
 /// Fraction of a hold's pressure change that remains at each block, from one to zero; zeros where the change does not show.
 fn relaxing(own: &[Block], scatter_pa: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (own.first(), own.last()) else { return Vec::new() };
-    let way_pa = first.mean_pa - last.mean_pa;
-    match way_pa.abs() > SHOWS * scatter_pa {
-        true => own.iter().map(|b| ((b.mean_pa - last.mean_pa) / way_pa).clamp(0.0, 1.0)).collect(),
+    let change_pa = first.mean_pa - last.mean_pa;
+    match change_pa.abs() > SHOWS * scatter_pa {
+        true => own.iter().map(|b| ((b.mean_pa - last.mean_pa) / change_pa).clamp(0.0, 1.0)).collect(),
         false => vec![0.0; own.len()],
     }
 }
@@ -103,7 +103,7 @@ fn rates(own: &[Block]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::between_rows::Look;
+    use crate::record::between_rows::SensorTiming;
     use crate::record::block::blocks;
     use crate::record::readout::Readout;
 
@@ -129,9 +129,9 @@ mod tests {
         let (time_s, position_m, pressure_pa) = rows();
         let mut motion = Motion::detect(&time_s, &position_m);
         motion.noise_m = 1e-4;
-        let (readout, look) = (Readout::default(), Look::default());
-        let mut all = blocks(&time_s, &pressure_pa, &motion, &readout, &position_m, GAMMA, look);
-        share(&mut all, &pressure_pa, &motion, &position_m, GAMMA);
+        let (readout, timing) = (Readout::default(), SensorTiming::default());
+        let mut all = blocks(&time_s, &pressure_pa, &motion, &readout, &position_m, GAMMA, timing);
+        set_common_errors(&mut all, &pressure_pa, &motion, &position_m, GAMMA);
         (all.into_iter().filter(|b| b.phase == Phase::Hold).collect(), motion)
     }
 
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pressures_of_a_hold_at_a_wrong_place_deviate_as_is_said_of_them() {
+    fn the_pressures_of_a_hold_at_a_wrong_position_deviate_as_stated() {
         let (held, motion) = shared();
         let off_m = off_m(motion.segments.last().unwrap());
         assert!(held.len() > 10);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn the_warmth_by_a_wrong_place_before_the_move_deviates_as_is_said_of_it_and_is_gone_in_the_end() {
+    fn the_error_by_a_wrong_position_before_the_move_is_as_stated_and_relaxes_to_zero() {
         let (held, motion) = shared();
         let off_m = off_m(&motion.segments[0]);
         // Moved from 0.1 m, where its model was given slightly more: the same gas, warmer by (γ−1) of the difference.

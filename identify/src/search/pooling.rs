@@ -8,7 +8,7 @@
 use super::{Candidate, Search, starts, terms};
 use crate::fit::{self, Fit};
 use crate::judge::adequacy;
-use crate::parameters::{self, Hypothesis, Model, Own};
+use crate::parameters::{self, Hypothesis, Model, RecordSlot};
 use crate::policy;
 use crate::record::data::Data;
 use chamber::Chamber;
@@ -19,15 +19,15 @@ impl Search {
     /// which decides whether the records agree, is decisive and left-out data are predicted no worse by more than the accuracy.
     /// Also where they are predicted better: the freer model must not predict worse, or it follows something else than its name
     /// says.
-    pub(super) fn fold(&mut self) {
-        let fits = self.chosen.model.own.iter().filter_map(|e| self.in_common(e));
-        let mut folded: Vec<Candidate> = fits.map(|fit| self.candidate(fit)).collect();
-        if folded.is_empty() {
+    pub(super) fn pool(&mut self) {
+        let fits = self.chosen.model.per_record.iter().filter_map(|e| self.in_common(e));
+        let mut pooled: Vec<Candidate> = fits.map(|fit| self.candidate(fit)).collect();
+        if pooled.is_empty() {
             return;
         }
-        self.judge(&mut folded, usize::MAX);
-        self.keep(folded.iter().cloned());
-        let best = folded.into_iter().filter(|c| self.agrees(c)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        self.judge(&mut pooled, usize::MAX);
+        self.keep(pooled.iter().cloned());
+        let best = pooled.into_iter().filter(|c| self.agrees(c)).max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         let Some(best) = best else { return };
         self.put_in_place_of_chosen(best);
     }
@@ -43,9 +43,9 @@ impl Search {
     /// Whether one common value is as good as one per record.
     fn agrees(&self, c: &Candidate) -> bool {
         let accuracy_pa = self.data.accuracy_pa();
-        let (Some(common), Some(own)) = (c.held_out_pa(), self.chosen.held_out_pa()) else { return false };
+        let (Some(common), Some(separate)) = (c.held_out_pa(), self.chosen.held_out_pa()) else { return false };
         let evident = c.delta_bic - self.chosen.delta_bic > policy::DECISIVE
-            && common.powi(2) - own.powi(2) < accuracy_pa.powi(2);
+            && common.powi(2) - separate.powi(2) < accuracy_pa.powi(2);
         c.fit.converged && (evident || c.errs_less(&self.chosen, accuracy_pa))
     }
 
@@ -54,7 +54,7 @@ impl Search {
         let fit = &self.chosen.fit;
         let whole = &fit.hypothesis.model;
         let means: Vec<(usize, f64)> = (0..CARDS[effect].parameters.len())
-            .filter_map(|p| Some((p, mean_of_records(&self.data, fit, Own::Effect(effect, p))?)))
+            .filter_map(|p| Some((p, mean_of_records(&self.data, fit, RecordSlot::Effect(effect, p))?)))
             .collect();
         // A pressure that is early relative to its position is a position that is late.
         let is_early = parameters::delays_pressure(effect) && means.iter().any(|(_, mean)| *mean < 0.0);
@@ -71,14 +71,14 @@ impl Search {
         }
         let chamber = Chamber { effects: values, ..chamber };
         let h = Hypothesis::new(&self.data, model, &chamber, &self.sizes);
-        let own = starts::owns(&self.data, &h, fit);
-        fit::fit(&self.data, &h, h.coordinates(&chamber), own, &fit::all_blocks(&self.data)).ok()
+        let records = starts::record_coordinates(&self.data, &h, fit);
+        fit::fit(&self.data, &h, h.coordinates(&chamber), records, &fit::all_blocks(&self.data)).ok()
     }
 }
 
 /// Mean over the records of a per-record parameter.
-fn mean_of_records(data: &Data, fit: &Fit, slot: Own) -> Option<f64> {
-    let of_each = fit.hypothesis.of_each(data, &fit.own, slot);
+fn mean_of_records(data: &Data, fit: &Fit, slot: RecordSlot) -> Option<f64> {
+    let of_each = fit.hypothesis.of_each(data, &fit.records, slot);
     let values: Option<Vec<f64>> = of_each.map(|number| number.map(|(axis, x)| axis.value(x))).collect();
     values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
 }

@@ -15,14 +15,14 @@ use rayon::prelude::*;
 pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
     let residuals = misfit::residuals(data, fit);
     let found = outliers::in_residuals(data, &residuals);
-    let mut other = data.looked_at(&fit.looks(data));
-    other = other.as_ref().unwrap_or(data).stirred(fit.by_speed_pa(data)).or(other);
+    let mut other = data.with_timings(&fit.sensor_timings(data));
+    other = other.as_ref().unwrap_or(data).with_convection_responses(fit.convection_responses_pa(data)).or(other);
     if !data.is_without(&found) {
         other = Some(other.unwrap_or_else(|| data.clone()).without(&found));
     }
     let shown = other.as_ref().unwrap_or(data);
     // Repeats that differ within the uncertainty of their moves seemed to differ by more than noise before.
-    let tells_noise = tells_noise || shown.is_stirred();
+    let tells_noise = tells_noise || shown.has_convection_errors();
     let leaves_far_less = misfit::rms(shown, &residuals) < policy::FAR_LESS_NOISE * shown.noise.total_pa();
     if tells_noise || leaves_far_less {
         let noise = colour::estimate(shown, &residuals, &shown.noise);
@@ -36,9 +36,9 @@ pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
 impl Search {
     /// Restarts with the outliers and the noise that this fit shows and, where its records are moving averages, with the
     /// uncertainty of moves that these leave; returns whether the data have changed. The paper's model is then refitted.
-    pub(super) fn weighs_anew(&mut self, best: &Fit) -> bool {
+    pub(super) fn reweigh_by(&mut self, best: &Fit) -> bool {
         let Some(data) = as_shown_by(&self.data, best, true) else { return false };
-        self.begin_again(data);
+        self.restart(data);
         true
     }
 
@@ -47,9 +47,9 @@ impl Search {
     /// Before, repeats that were read at different times, or that moved differently, differ by more than noise. Everything tried
     /// is refitted.
     pub(super) fn reweigh(&mut self) {
-        let has_own_times = self.chosen.model.own.iter().any(|e| terms::of_timing().has(e));
-        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_own_times) else { return };
-        self.begin_again(data);
+        let has_record_timings = self.chosen.model.per_record.iter().any(|e| terms::of_timing().has(e));
+        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_record_timings) else { return };
+        self.restart(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::REJUDGED);
         self.tried = tried;
@@ -57,7 +57,7 @@ impl Search {
     }
 
     /// Fits the paper's model to reweighted data, and restarts the search with it.
-    fn begin_again(&mut self, data: Data) {
+    fn restart(&mut self, data: Data) {
         self.data = data;
         // Other outliers make other blocks.
         self.folds = left_out::folds(&self.data);
@@ -71,7 +71,7 @@ impl Search {
 
     pub(super) fn refit(&self, fit: &Fit, until: Until) -> Option<Fit> {
         let selection = fit::all_blocks(&self.data);
-        fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.own.clone(), &selection, until).ok()
+        fit::fit_until(&self.data, &fit.hypothesis, fit.rig.clone(), fit.records.clone(), &selection, until).ok()
     }
 
     /// Refits candidates, given best first; those that stay far above the best are given up.
@@ -109,7 +109,7 @@ mod tests {
     use chamber::effects::{ForcedConvection, Leakage};
 
     #[test]
-    fn a_set_that_ends_worse_than_its_part_is_begun_anew_from_that() {
+    fn a_set_that_ends_worse_than_its_part_is_refitted_from_that_part() {
         let search = Search::after_first_fit(&Recipe::from_seed(5));
         let model = Model::with(Leakage::SET);
         let fit = fit_model(&search.data, model, &search.baseline.fit, &search.sizes).unwrap();
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_rows_of_fast_moves_leave_open_of_forced_convection_is_no_noise_and_no_misfit() {
+    fn the_uncertainty_of_forced_convection_in_fast_moves_is_neither_noise_nor_misfit() {
         let mut recipe = Recipe { noise_pa: 20.0, ..Recipe::from_seed(5) }.with("forced_convection", &[4.0]);
         recipe.tests.iter_mut().flat_map(|test| &mut test.moves).for_each(|(_, length_s, shape, _)| {
             (*length_s, *shape) = (0.07, Shape::Trapezoid);
@@ -136,7 +136,11 @@ mod tests {
             deviations.push(adequacy::test(&data, &fit).squares_deviations);
             data = as_shown_by(&data, &fit, false).unwrap_or(data);
         }
-        assert!(data.is_stirred() && data.noise.colours.is_empty() && data.noise.hum.is_none(), "{:?}", data.noise);
+        assert!(
+            data.has_convection_errors() && data.noise.colours.is_empty() && data.noise.hum.is_none(),
+            "{:?}",
+            data.noise
+        );
         assert!((data.noise.white_pa / 20.0 - 1.0).abs() < 0.1, "{:?}", data.noise);
         assert!(
             deviations[0] > 2.0 * policy::SQUARES_DEVIATIONS && deviations[1] < policy::SQUARES_DEVIATIONS,
@@ -146,6 +150,6 @@ mod tests {
         let found = fit.chamber().heat_transfer.coefficient;
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
         // A model without forced convection does not show this.
-        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().is_stirred());
+        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().has_convection_errors());
     }
 }
