@@ -114,25 +114,45 @@ struct Parts {
 impl Parts {
     fn of(fit: &Fit, leaves_noise: bool) -> Option<Self> {
         let n = fit.rig.len();
-        let free: Vec<usize> = (0..n).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect();
+        let free = determined(fit);
         let m = free.len();
         let stated = fit.information.ncols() - n;
-        let inverse = inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(free[i], free[j])]))?;
+        let inverse = inverse_among(fit, &free)?;
         let by_stated = DMatrix::from_fn(m, stated, |i, k| fit.information[(free[i], n + k)]);
         let by_stated = &inverse * by_stated * spread_of_stated(fit, leaves_noise);
         let mut records = inverse.clone();
         if !leaves_noise {
-            let robust = &inverse * cluster_score_sum(fit, &free) * &inverse;
-            let freedom = (fit.blocks as f64 - m as f64).max(1.0);
-            let scale = (fit.marginal / freedom).max(1.0);
-            for i in 0..m {
-                let wider = (robust[(i, i)] / inverse[(i, i)]).max(scale).sqrt();
+            let scale = excess(fit, m);
+            for (i, inflation) in inflations(fit, &free, &inverse).iter().enumerate() {
+                let wider = inflation.max(scale).sqrt();
                 records.row_mut(i).scale_mut(wider);
                 records.column_mut(i).scale_mut(wider);
             }
         }
         Some(Self { free, records, by_stated })
     }
+}
+
+/// Free coordinates that are not at a bound and have influence.
+fn determined(fit: &Fit) -> Vec<usize> {
+    (0..fit.rig.len()).filter(|&i| !fit.at_bound[i] && fit.information[(i, i)] > 0.0).collect()
+}
+
+/// Covariance of these coordinates by the noise alone.
+fn inverse_among(fit: &Fit, coordinates: &[usize]) -> Option<DMatrix<f64>> {
+    let m = coordinates.len();
+    inverse(&DMatrix::from_fn(m, m, |i, j| fit.information[(coordinates[i], coordinates[j])]))
+}
+
+/// Sum of squares of a fit of this many coordinates over its expectation; at least one.
+fn excess(fit: &Fit, coordinates: usize) -> f64 {
+    (fit.marginal / (fit.blocks as f64 - coordinates as f64).max(1.0)).max(1.0)
+}
+
+/// For each of these coordinates the variance of the sandwich estimator over that by the noise alone, `inverse`.
+fn inflations(fit: &Fit, coordinates: &[usize], inverse: &DMatrix<f64>) -> DVector<f64> {
+    let robust = inverse * cluster_score_sum(fit, coordinates) * inverse;
+    robust.diagonal().component_div(&inverse.diagonal())
 }
 
 /// Standard error of each stated parameter, in tolerances. It is one, except for the waves of a position sensor and, in a fit
@@ -151,6 +171,17 @@ fn spread_of_stated(fit: &Fit, leaves_noise: bool) -> DMatrix<f64> {
         Some((variance + fit.moved[k] * fit.moved[k]).sqrt().min(1.0))
     };
     DMatrix::from_diagonal(&DVector::from_fn(all - free, |k, _| left_possible(k).unwrap_or(1.0)))
+}
+
+/// Design effect of a fit that leaves more than noise: the number of its blocks over that of independent ones which would tell as much.
+/// It is the mean, over the free coordinates, of the sandwich estimator's variance over that of independent blocks with the
+/// same squares; at least one.
+pub fn design_effect(fit: &Fit) -> f64 {
+    let free = determined(fit);
+    let count = free.len() as f64;
+    let Some(inverse) = inverse_among(fit, &free) else { return 1.0 };
+    let ratios = inflations(fit, &free, &inverse);
+    (ratios.sum() / (count * excess(fit, free.len()))).max(1.0)
 }
 
 /// Covariance of a record's coordinates, including the uncertainty of the rig's.
@@ -282,4 +313,20 @@ pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::data::Data;
+    use crate::search::baseline;
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn blocks_of_noise_are_independent_and_those_of_a_missing_effect_tell_less() {
+        let of = |recipe: Recipe| design_effect(&baseline::fitted(Data::prepare(&recipe.rig()).unwrap()).unwrap().1);
+        let clean = of(Recipe::from_seed(5));
+        let leaking = of(Recipe::from_seed(5).with("leakage", &[2e-11]));
+        assert!(clean < 1.1 && leaking > 1.4, "{clean} {leaking}");
+    }
 }

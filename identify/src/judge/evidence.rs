@@ -20,6 +20,13 @@ pub fn bic_widened(fit: &Fit, factor: f64) -> f64 {
     of_squares(fit.marginal_widened(factor) + fit.smoothed, fit.blocks, fit.freedom())
 }
 
+/// BIC of a fit whose n blocks tell as much as n/c independent ones, c being the design effect: (n/c) ln(S/n) + k ln(n/c).
+pub fn bic_of_correlated(fit: &Fit, design_effect: f64) -> f64 {
+    let (squares, free) = (fit.marginal + fit.smoothed, fit.freedom());
+    let independent = fit.blocks as f64 / design_effect;
+    of_squares(squares, fit.blocks, 0) / design_effect + free as f64 * independent.ln()
+}
+
 /// BIC of this sum of squares of whitened blocks, for this number of free parameters.
 pub fn of_squares(squares: f64, blocks: usize, free: usize) -> f64 {
     let n = blocks as f64;

@@ -262,8 +262,11 @@ pub fn describe(data: Data, found: Found) -> Diagnosed {
         },
     };
     let steps = steps(&data, &found);
-    let by_choice =
-        if found.alike.is_empty() { "effects_within_accuracy" } else { "choice_among_indistinguishable_effects" };
+    let by_choice = match () {
+        () if !found.alike.is_empty() => "choice_among_indistinguishable_effects",
+        () if adequacy.is_adequate() => "effects_within_accuracy",
+        () => "missing_effect",
+    };
     let lambda0_budget = budget(&after.fit, adequacy.is_noise, [&of_set, &after_side.parameters], by_choice);
     let is_open = found.verdict != Verdict::Explained;
     let of_two_rigs = is_open.then(|| rigs::apart(&data, before.rmse_pa.fit, rigs::Overlap::Levels)).flatten();

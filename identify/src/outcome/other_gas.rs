@@ -51,15 +51,18 @@ fn systematic_in(mut data: Data, gas: Gas) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outcome::recording;
     use crate::search::search;
     use crate::synthetic::Recipe;
 
-    /// The note for a rig whose file states air.
+    /// The note for a rig whose file states air, which is the first of its notes.
     fn said_of(recipe: &Recipe) -> Option<String> {
         let mut rig = recipe.rig();
         rig.gas.gas = Gas::AIR;
         let (data, found) = search(Data::prepare(&rig).unwrap(), &|_, _| ()).unwrap();
-        sentence(&data, &found)
+        let said = sentence(&data, &found);
+        assert!(said.is_none() || recording::notes(&data, Some(&found)).first() == said.as_ref());
+        said
     }
 
     #[test]

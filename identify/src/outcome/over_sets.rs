@@ -1,11 +1,17 @@
 //! Intervals of parameters that several sets of effects have, where the data cannot tell the sets apart, or where a further
 //! effect is evident but removes too little misfit to be named.
 //!
+//! A chosen set that leaves more than noise lacks something, and what it lacks shows in many blocks alike. They tell as much as fewer
+//! independent ones ([`covariance::design_effect`]). With the evidence of so few, all credible sets of the search count as rivals: the
+//! missing effect may have moved the chosen set's parameters by as much as the sets differ. Source: F. Pauli, W. Racugno and L. Ventura,
+//! Stat. Sinica 21 (2011) 149 (likelihood of correlated data, raised to the power 1/c).
+//!
 //! Such a parameter follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
-//! interval is that of the mixture. The value stays that of the chosen set, and the interval includes it. Source: J. A. Hoeting
+//! interval is that of the mixture, and includes that of the chosen set, whose value stays. Source: J. A. Hoeting
 //! et al., Stat. Sci. 14 (1999) 382 (Bayesian model averaging).
 
-use crate::fit::covariance::{Estimate, NORMAL_95};
+use crate::fit::covariance::{self, Estimate, NORMAL_95};
+use crate::judge::evidence;
 use crate::outcome::estimates::{Estimates, parameters};
 use crate::outcome::probability;
 use crate::record::data::Data;
@@ -14,11 +20,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The chosen set's parameters with their intervals over all sets that can take its place.
 pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise: bool) -> Estimates {
-    // A set with more evidence that was not chosen predicts left-out data no better.
-    let odds = |c: &Candidate| probability::odds((c.delta_bic - found.chosen.delta_bic).min(0.0));
-    let others: Vec<(f64, Estimates)> = alike(found)
-        .chain(found.evident_beside_chosen())
-        .map(|c| (odds(c), parameters(data, &c.fit, leaves_noise)))
+    let others: Vec<(f64, Estimates)> = rivals(found, leaves_noise)
+        .into_iter()
+        .map(|(odds, c)| (odds, parameters(data, &c.fit, leaves_noise)))
         .collect();
     for (name, number) in &mut numbers {
         let same = |(weight, of_set): &(f64, Estimates)| {
@@ -28,11 +32,25 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise:
             std::iter::once((1.0, number.clone())).chain(others.iter().filter_map(same)).collect();
         if mixture.len() > 1 {
             let [low, high] = interval(&mixture);
-            // Many others together may leave the chosen set little weight.
-            number.ci95 = [low.min(number.value), high.max(number.value)];
+            // Many others together may leave the chosen set little weight, and be narrower.
+            number.ci95 = [low.min(number.ci95[0]), high.max(number.ci95[1])];
         }
     }
     numbers
+}
+
+/// The sets that can take the chosen one's place, each with its odds against that: at most one, since a set with more evidence that was
+/// not chosen predicts left-out data no better.
+fn rivals(found: &Found, leaves_noise: bool) -> Vec<(f64, &Candidate)> {
+    let chosen = &found.chosen;
+    if leaves_noise {
+        let odds = |c: &Candidate| probability::odds((c.delta_bic - chosen.delta_bic).min(0.0));
+        return alike(found).chain(found.evident_beside_chosen()).map(|c| (odds(c), c)).collect();
+    }
+    let design_effect = covariance::design_effect(&chosen.fit);
+    let bic = |c: &Candidate| evidence::bic_of_correlated(&c.fit, design_effect);
+    let odds = |c: &Candidate| probability::odds((bic(chosen) - bic(c)).min(0.0));
+    found.credible_sets().filter(|c| c.model != chosen.model).map(|c| (odds(c), c)).collect()
 }
 
 /// The sets that the data cannot tell from the chosen one.
@@ -70,6 +88,27 @@ fn interval(mixture: &[(f64, Estimate)]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::judge::adequacy;
+    use crate::search::{self, Verdict};
+    use crate::synthetic::Recipe;
+
+    #[test]
+    fn a_set_that_leaves_more_than_noise_is_as_uncertain_as_its_rivals_lie_apart() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) }.with("leakage", &[2e-11]);
+        let (data, mut found) = search::search(Data::prepare(&recipe.rig()).unwrap(), &|_, _| ()).unwrap();
+        let of_leak = parameters(&data, &found.chosen.fit, true)[0].1.clone();
+        let lambda0 = |numbers: Estimates| numbers[0].1.clone();
+        let holds_leaks = |e: &Estimate| (e.ci95[0]..e.ci95[1]).contains(&of_leak.value);
+        let misses = |c: &&Candidate| {
+            !adequacy::has_squares_of_noise(&data, &c.fit) && !holds_leaks(&lambda0(parameters(&data, &c.fit, false)))
+        };
+        let wrong = found.credible_sets().find(misses).unwrap().clone();
+        (found.chosen, found.verdict, found.alike) = (wrong, Verdict::Improved, Vec::new());
+        let of_set = parameters(&data, &found.chosen.fit, false);
+        let of_all = lambda0(widened(of_set.clone(), &data, &found, false));
+        assert!(holds_leaks(&of_all), "{:?} {of_all:?} {of_leak:?}", of_set[0]);
+        assert_eq!(of_all.value, of_set[0].1.value);
+    }
 
     fn estimate(value: f64, half: f64) -> Estimate {
         Estimate { value, ci95: [value - half, value + half], unit: "W/(m2.K)".to_owned() }

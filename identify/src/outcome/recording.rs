@@ -96,7 +96,8 @@ const USUAL_AMBIENT_PA: std::ops::RangeInclusive<f64> = 5e4..=1.1e5;
 
 /// Notes on what was assumed where the rig states nothing, left out, or noticed.
 pub fn notes(data: &Data, found: Option<&Found>) -> Vec<String> {
-    let mut out = Vec::new();
+    // First, since the effects found with a wrong gas only imitate the difference.
+    let mut out: Vec<String> = found.and_then(|found| other_gas::sentence(data, found)).into_iter().collect();
     if data.ambient_temperature_assumed {
         out.push(format!(
             "the ambient temperature is not stated: {:.2} ± {:.0} K is assumed. Pressures alone do not determine it; lambda0 is proportional to its power 1.5, and the interval of lambda0 includes that",
@@ -338,7 +339,6 @@ fn of_search(data: &Data, found: &Found) -> Vec<String> {
     if found.verdict != Verdict::Adequate || found.better_than_reported(data).is_none() {
         out.extend(stated_numbers::sentence(data, fit));
     }
-    out.extend(other_gas::sentence(data, found));
     if found.verdict != Verdict::Adequate {
         out.extend(stated_numbers::nonlinear_positions(data, &found.baseline.fit));
     }

@@ -92,6 +92,11 @@ impl Candidate {
 }
 
 impl Found {
+    /// The tried sets with credible parameters and no exhausted effect.
+    pub(crate) fn credible_sets(&self) -> impl Iterator<Item = &Candidate> {
+        self.tried.iter().filter(|c| is_credible(&c.fit) && c.fit.exhausted().is_none())
+    }
+
     /// The best set with one effect more than the chosen one whose evidence is decisive with a wide geometry too. It is not named
     /// because it removes less than the requested accuracy, but asking for less accurate pressures does not mean asking for less
     /// certain parameters.
