@@ -10,12 +10,21 @@ use pulp::{Arch, Simd, WithSimd};
 /// Share of a piece to both sides of a place, to tell there whether the record rises.
 const BESIDE: f64 = 1e-5;
 
-/// What a curve a lane is made of.
+/// What a curve a lane is made of: often the curve itself.
 pub trait Reading {
     /// What events and roots are looked for on.
     type Curve: Curve;
     /// Makes it, with the instructions at hand.
     fn curve(self) -> Self::Curve;
+}
+
+impl<C: Curve> Reading for C {
+    type Curve = Self;
+
+    #[inline(always)]
+    fn curve(self) -> Self {
+        self
+    }
 }
 
 /// What is looked for.

@@ -242,7 +242,7 @@ impl Solved<'_> {
         let readings = Readings::new(arch, readings, tests, ends, behind, before);
         let answers = readings.answers();
         let found = fit.then(|| {
-            readings.lay_out(&answers, records);
+            readings.lay_out(Lanes::from_fn(|lane| answers[lane].peak_time), records);
             let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
             records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });

@@ -2,7 +2,8 @@
 
 use super::course;
 use super::equations::{ASKED, AT_RUN_TIME, TIGHT, states};
-use super::{Kind, relaxation, remembering};
+use super::kind::Kind;
+use super::{relaxation, remembering};
 use crate::batch::Batch;
 use crate::instructions;
 use crate::outcome::Outcome;

@@ -4,9 +4,9 @@
 use crate::batch::Batch;
 use crate::ending::AfterPush;
 use crate::filter::Sensor;
-use crate::general::Kind;
 use crate::general::equations::{self, General, Row};
 use crate::general::history::History;
+use crate::general::kind::Kind;
 use crate::general::relaxing_rows;
 use crate::general::remembering;
 use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch, advance};

@@ -8,6 +8,7 @@ mod finish;
 mod flows;
 mod gas;
 mod heated;
+mod list;
 mod remembering;
 mod sealed;
 mod stirred;
@@ -15,37 +16,10 @@ mod test;
 mod turns;
 mod walled;
 
-use crate::batch::Batch;
 use crate::features::Features;
-use crate::outcome::Outcome;
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
-
-/// A way of solving the rows of a list, with working memory that is kept from one chunk to the next.
-pub trait Way {
-    /// Solves rows whose numbers are checked. Some may be left, to be solved in another way.
-    fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]);
-}
-
-/// A chunk's rows of one kind, and the way in which they are solved.
-#[derive(Default)]
-pub struct List<W: ?Sized> {
-    rows: Vec<u32>,
-    left: Vec<u32>,
-    way: W,
-}
-
-impl<W: Way + ?Sized> List<W> {
-    /// Solves what is in the list. Answers which rows it has left.
-    pub fn solve(&mut self, batch: Batch, out: &mut [Outcome]) -> std::vec::Drain<'_, u32> {
-        let Self { rows, left, way } = self;
-        if !rows.is_empty() {
-            way.solve(batch, rows, left, out);
-            rows.clear();
-        }
-        left.drain(..)
-    }
-}
+use list::{List, Way};
 
 /// A chunk's rows with equations of their own, a list for each kind.
 #[derive(Default)]

@@ -1,8 +1,8 @@
 //! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
 
 use super::interpolant::{Interpolant, Stencils};
-use super::{Job, PRESSURE, Trace, Traces};
-use crate::filter::{Lagged, TERMS, ToPowers, kept};
+use super::traces::{Job, LaggedPiece, PRESSURE, Trace, Traces};
+use crate::filter::{Lagged, ToPowers, kept};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question, Reading};
 use crate::numerics::root::Curve;
@@ -61,15 +61,6 @@ impl Traces<'_> {
         self.memory.lags = lags;
     }
 
-    /// A quantity in one interval a lane: segments and knots.
-    pub(super) fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
-        Stencils::new(quantity, |lane| {
-            let (segment, knot) = interval(lane);
-            let knots = self.memory.segments[segment as usize].knots.clone();
-            (&self.of_segment(segment).1.clock, &self.memory.knots[knots], knot as usize)
-        })
-    }
-
     /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
     pub(super) fn work(&mut self, arch: Arch, question: fn([Lanes; POINTS]) -> Question) {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
@@ -110,20 +101,6 @@ impl Traces<'_> {
         }
         self.memory.jobs = jobs;
     }
-}
-
-/// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LaggedPiece<R> {
-    /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
-    pressure: [R; TERMS],
-    /// Its start and its length, s.
-    from: R,
-    length: R,
-    kept: R,
-    fed: R,
-    /// The reading at its start, Pa, as far as that is known.
-    begin: R,
 }
 
 /// Works out the [`LaggedPiece`] of each lane.
@@ -183,15 +160,6 @@ struct Lagging {
     gain: Lanes,
     offset: Lanes,
     drift: Lanes,
-}
-
-impl Reading for Lagging {
-    type Curve = Self;
-
-    #[inline(always)]
-    fn curve(self) -> Self {
-        self
-    }
 }
 
 impl Curve for Lagging {

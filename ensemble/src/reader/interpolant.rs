@@ -6,8 +6,8 @@
 //! The reciprocals, for in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is
 //! held has no poles, P has.
 
-use super::Knot;
 use crate::integrator::clock::Clock;
+use crate::integrator::step::View;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::Curve;
 use chamber::real::{Real, reciprocals};
@@ -19,6 +19,17 @@ const TERMS: usize = 2 * KNOTS;
 const NEAREST: f64 = 0.3;
 /// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
 const SHRINK: f64 = 0.5;
+
+/// What is seen at a moment of a segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Knot {
+    /// The moment in the integrator's time, from the segment's start.
+    pub at: f64,
+    /// Pressure, Pa, and temperature, K, of the gas, and their slopes in the integrator's time.
+    pub view: View<f64>,
+    /// Whether the rates have a kink there.
+    pub kink: bool,
+}
 
 /// The knots that a quantity is interpolated by, in one interval a lane: of its start and end, then of its neighbours.
 #[derive(Clone, Copy, Debug)]
@@ -174,7 +185,6 @@ impl Curve for Interpolant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::step::View;
 
     #[test]
     fn neighbours_beyond_a_kink_come_after_the_others_and_count_only_if_their_terms_shrink() {

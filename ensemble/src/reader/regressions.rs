@@ -1,6 +1,7 @@
 //! Step 1 of the paper on the samples of traced records.
 
-use super::{Cut, Job, Memory, RowAnswer, Trace, Traces};
+use super::answers::RowAnswer;
+use super::traces::{Cut, Job, Memory, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::Question;
 use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};

@@ -38,10 +38,19 @@ pub fn logarithm_of_guess(rate: Lanes, excess: Lanes, length: Lanes) -> Lanes {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
-    use crate::regression::tests::least;
     use proptest::prelude::*;
+
+    /// Where a function between two places is least, by golden section.
+    pub fn least(of: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
+            if of(c) < of(d) { b = d } else { a = c }
+        }
+        0.5 * (a + b)
+    }
 
     /// ln τ of the least squares over 2000 points of a relaxation with k = 1.
     fn best(excess: f64, length: f64) -> f64 {

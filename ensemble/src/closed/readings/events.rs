@@ -2,8 +2,8 @@
 //! pieces: begin, turn and end. Between corners a record is monotone.
 
 use super::hold::{BehindLag, HoldRecord, Relaxation};
-use super::pieces::Piece;
 use super::sensors::Sensors;
+use super::shown::Piece;
 use crate::closed::test::Tests;
 use crate::lanes::Lanes;
 use crate::outcome::{ROUNDING, SETTLED};

@@ -1,7 +1,7 @@
 //! What a sensor shows of tests that have a closed form, one a lane: a filter of a known pressure, without integration.
 //!
 //! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
-//! quadrature ([`Panel`]). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
+//! quadrature ([`Panel`](crate::numerics::gauss::Panel)). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
 //! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
 //! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces, over which behind a
 //! lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
@@ -10,14 +10,17 @@ mod events;
 mod hold;
 mod pieces;
 mod push;
+mod records;
 mod samples;
 mod sensors;
+mod shown;
+
+pub use records::{Memory, Readings};
 
 use crate::closed::test::{Ends, Tests};
-use crate::filter::{Behind, ToPowers};
+use crate::filter::Behind;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
-use crate::numerics::gauss::{NODES, Panel};
 use crate::outcome::{Outcome, ROUNDING, Standing};
 use crate::regression::Regression;
 use crate::regression::fit;
@@ -25,9 +28,10 @@ use crate::scenario::Scenario;
 use chamber::real::Real;
 use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
-use pieces::{Build, HoldPieces, Piece, Polynomial, Push, Shown};
+use pieces::{Build, HoldPieces};
 use pulp::Arch;
 use sensors::Sensors;
+use shown::Piece;
 
 /// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
 const MOST_RELAXATIONS: f64 = 20.0;
@@ -38,7 +42,7 @@ pub struct RecordAnswer {
     /// Extreme reading from the end of the push on, Pa.
     pub peak: f64,
     /// Time of that reading, s.
-    peak_time: f64,
+    pub peak_time: f64,
     /// Reading at the end of the test, Pa.
     pub last: f64,
     /// From when on it is within 1 % of that for good.
@@ -96,32 +100,6 @@ impl RecordAnswer {
     }
 }
 
-/// Working memory, kept from one group to the next.
-#[derive(Default)]
-pub struct Memory {
-    /// 1/T at the nodes of each part of the push, and where it is asked for along them.
-    pub nodes: Vec<[Lanes; NODES]>,
-    panels: Vec<Panel<Lanes>>,
-    pieces: Vec<Piece>,
-    /// Of those of the push, of sensors that lag.
-    polynomials: Vec<Polynomial>,
-    /// How many of the first pieces are of the push.
-    in_push: usize,
-    /// By piece, where the records turn inside.
-    turns: Vec<Turn>,
-    to_powers: ToPowers,
-}
-
-/// Records, one a lane; all of them lag or none, and all of them are delayed or none.
-pub struct Readings<'a> {
-    arch: Arch,
-    tests: &'a Tests,
-    memory: &'a mut Memory,
-    hold: HoldRecord,
-    sensors: Sensors,
-    duration: Lanes,
-}
-
 impl<'a> Readings<'a> {
     /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
     /// `memory` has the nodes of the push.
@@ -173,24 +151,6 @@ impl<'a> Readings<'a> {
             corners[2][lane] = sensors.delay[lane] + turns[1];
         }
         self.arch.dispatch(HoldPieces { hold, sensors, corners, pieces: &mut self.memory.pieces });
-    }
-
-    /// A piece of each lane, not the same one of all.
-    fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
-        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &*self.memory;
-        let piece: [usize; WIDTH] = core::array::from_fn(piece);
-        let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
-        let pushed = Lanes::from_fn(|lane| if piece[lane] < *in_push { 1.0 } else { 0.0 });
-        let any_pushed = piece.iter().any(|piece| *piece < *in_push);
-        let push = any_pushed.then(|| {
-            if !self.sensors.lag() {
-                return Push::Gas(self.tests, nodes, panels);
-            }
-            let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
-            let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
-            Push::Behind(Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) })
-        });
-        Shown { times, pushed, push, hold: &self.hold, sensors: &self.sensors }
     }
 
     /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.

@@ -1,8 +1,9 @@
 //! The samples of records from their peaks on, laid out for the regression.
 
-use super::pieces::{Piece, Push, Shown, hold_ends};
-use super::{Memory, Readings, RecordAnswer};
-use crate::lanes::{Lanes, WIDTH};
+use super::pieces::hold_ends;
+use super::records::{Memory, Readings};
+use super::shown::{Piece, Push, Shown};
+use crate::lanes::Lanes;
 use crate::look::{Look, Question};
 use crate::numerics::root::Curve;
 use crate::regression::Records;
@@ -17,10 +18,10 @@ const PIECES_BEHIND_A_LAG: usize = 24;
 
 impl Readings<'_> {
     /// Number of the first sample that counts: the larger of those beside the peak.
-    fn first_samples(&self, answers: &[RecordAnswer; WIDTH]) -> Lanes {
+    fn first_samples(&self, peak_times: Lanes) -> Lanes {
         let push = self.tests.push;
         let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
-        let after = Lanes::from_fn(|lane| samples::from(push[lane] + answers[lane].peak_time).max(push_end[lane]));
+        let after = Lanes::from_fn(|lane| samples::from(push[lane] + peak_times[lane]).max(push_end[lane]));
         if after == push_end {
             return after;
         }
@@ -41,10 +42,9 @@ impl Readings<'_> {
         })
     }
 
-    /// Lays the samples from the peak on out for the regression.
-    pub fn lay_out(&self, answers: &[RecordAnswer; WIDTH], records: &mut Records) {
-        let first = self.first_samples(answers);
-        records.begin_with(first);
+    /// Lays the samples from the peaks on out for the regression, which are shown at some times, s.
+    pub fn lay_out(&self, peak_times: Lanes, records: &mut Records) {
+        records.begin_with(self.first_samples(peak_times));
         self.arch.dispatch(Sample { readings: self, records });
     }
 }

@@ -16,7 +16,7 @@ use crate::integrator::advance::{Nobody, advance};
 use crate::integrator::problem::Problem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
-use crate::own::Way;
+use crate::own::list::Way;
 use crate::regression::Records;
 use chamber::effects::wall_conduction::{KERNEL, MODES};
 use core::hint::black_box;

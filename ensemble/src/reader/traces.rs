@@ -1,0 +1,246 @@
+//! Traces of rows: the knots of each of their segments, and the pieces that their records are cut into, between knots and where the
+//! sensor lags or bends its reading.
+
+use super::bends::{Bends, Straight};
+use super::interpolant::{Knot, Stencils};
+use crate::filter::{CUTS, Sensor, TERMS, ToPowers};
+use crate::plan::{Plan, Stretch};
+use crate::regression::Records;
+use crate::regression::samples::POINTS;
+use std::ops::Range;
+
+/// Index of the pressure and of the temperature where both are shown.
+pub const PRESSURE: usize = 0;
+pub const TEMPERATURE: usize = 1;
+
+/// The trace of a row: the knots of each of its segments from [`Traces::begin`] on.
+#[derive(Clone, Copy, Debug)]
+pub struct Trace<'a> {
+    pub plan: &'a Plan,
+    pub sensor: Sensor,
+    pub bends: Bends<'a>,
+    /// Pressure of the gas before the test, Pa.
+    pub before: f64,
+}
+
+impl Trace<'_> {
+    /// 1 where peaks are tops, −1 where they are bottoms: of an expansion.
+    pub fn sign(&self) -> f64 {
+        if self.plan.expands { -1.0 } else { 1.0 }
+    }
+
+    /// Cuts a segment, by its number, stretch and knots, into pieces.
+    pub fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<TracePiece>) {
+        let Sensor { lag, drift, .. } = self.sensor;
+        let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
+        // Time, what the record shows there and its slope, of a sensor that follows at once.
+        let seen = |knot: &Knot| {
+            let (time, pace) = stretch.clock.time_and_pace(knot.at);
+            let shown = self.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
+            (time, shown, knot.view.slope[PRESSURE] / pace + drift)
+        };
+        let mut begin = seen(&knots[0]);
+        for (knot, to) in knots[1..].iter().enumerate() {
+            let end = seen(to);
+            let mut piece = TracePiece {
+                segment,
+                knot: knot as u32,
+                lag: 0,
+                times: [begin.0, end.0],
+                shown: [begin.1, end.1],
+                slopes: [begin.2, end.2],
+                straight: Straight::READING,
+            };
+            // What a lagging sensor shows is found out later: `follow_lags`.
+            while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
+                if cut > piece.times[0] {
+                    piece.times[1] = cut;
+                    pieces.push(piece);
+                    piece.times = [cut, end.0];
+                }
+            }
+            pieces.push(piece);
+            begin = end;
+        }
+    }
+}
+
+/// Traces of rows, with memory that is kept from one group of rows to the next.
+#[derive(Default)]
+pub struct Memory {
+    pub knots: Vec<Knot>,
+    pub segments: Vec<Segment>,
+    pub pieces: Vec<TracePiece>,
+    /// By row.
+    pub cut: Vec<Cut>,
+    /// In the order of the pieces.
+    pub turns: Vec<Job>,
+    /// Of the pieces behind sensors that lag.
+    pub lags: Vec<LaggedPiece<f64>>,
+    pub to_powers: ToPowers,
+    pub jobs: Vec<Job>,
+    pub records: Records,
+}
+
+/// A stretch of a row with its knots.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    pub row: u32,
+    pub stretch: u32,
+    pub knots: Range<usize>,
+}
+
+/// A part of a record between two knots, or of such a part where the sensor lags or bends its reading.
+#[derive(Clone, Copy, Debug)]
+pub struct TracePiece {
+    pub segment: u32,
+    /// The knot at which its interval begins, of its segment's.
+    pub knot: u32,
+    /// Its place among [`Memory::lags`], where the sensor lags.
+    pub lag: u32,
+    /// Times of its ends from the segment's start, s.
+    pub times: [f64; 2],
+    /// What the record shows at both ends, Pa, and its slopes there, Pa/s; up to [`Traces::bend`], the reading.
+    pub shown: [f64; 2],
+    pub slopes: [f64; 2],
+    pub straight: Straight,
+}
+
+/// The pieces that a record is cut into.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    pub all: Range<usize>,
+    /// The reading at the start of the first, Pa.
+    pub begin: f64,
+    /// Those that it shows between the end of the push and the end of the test.
+    pub shown: Range<usize>,
+    /// Where it turns round in these.
+    pub turns: Range<usize>,
+}
+
+/// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LaggedPiece<R> {
+    /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
+    pub pressure: [R; TERMS],
+    /// Its start and its length, s.
+    pub from: R,
+    pub length: R,
+    pub kept: R,
+    pub fed: R,
+    /// The reading at its start, Pa, as far as that is known.
+    pub begin: R,
+}
+
+/// A question about a piece, or about the temperature in an interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    pub piece: usize,
+    pub numbers: [f64; POINTS],
+    pub answer: [f64; POINTS],
+}
+
+impl Job {
+    pub fn new(piece: usize, numbers: [f64; POINTS]) -> Self {
+        Self { piece, numbers, answer: [0.0; POINTS] }
+    }
+}
+
+/// The first stretch of a row that is looked into.
+pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
+    if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
+}
+
+/// Rows whose pressure is traced, with the knots of their traces.
+pub struct Traces<'a> {
+    pub rows: Vec<Trace<'a>>,
+    pub memory: &'a mut Memory,
+}
+
+impl<'a> Traces<'a> {
+    /// Begins without rows; what `memory` held is dropped.
+    pub fn new(memory: &'a mut Memory) -> Self {
+        memory.knots.clear();
+        memory.segments.clear();
+        Self { rows: Vec::new(), memory }
+    }
+
+    /// Begins the trace of a row: its pressure before the test, Pa.
+    pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, bends: Bends<'a>, before: f64) {
+        self.rows.push(Trace { plan, sensor, bends, before });
+    }
+
+    /// Goes on with a stretch of that row, whose knots `fill` appends.
+    pub fn stretch(&mut self, stretch: usize, fill: impl FnOnce(&mut Vec<Knot>)) {
+        let knots = &mut self.memory.knots;
+        let from = knots.len();
+        fill(knots);
+        if knots.len() > from + 1 {
+            let (row, stretch) = (self.rows.len() as u32 - 1, stretch as u32);
+            self.memory.segments.push(Segment { row, stretch, knots: from..knots.len() });
+        }
+    }
+
+    /// Number of rows begun so far.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Number of knots of all rows together.
+    pub fn knots(&self) -> usize {
+        self.memory.knots.len()
+    }
+
+    /// The row of a segment, and its stretch.
+    pub fn of_segment(&self, segment: u32) -> (&Trace<'a>, &Stretch) {
+        let Segment { row, stretch, .. } = self.memory.segments[segment as usize];
+        let row = &self.rows[row as usize];
+        (row, &row.plan.stretches[stretch as usize])
+    }
+
+    /// Cuts all records into pieces.
+    pub fn cut(&mut self) {
+        let Memory { knots, segments, pieces, cut, .. } = &mut *self.memory;
+        pieces.clear();
+        cut.clear();
+        let mut segments = segments.iter().enumerate().peekable();
+        for (number, row) in self.rows.iter().enumerate() {
+            let begin = pieces.len();
+            let mut shown = begin..begin;
+            while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
+                let (stretch, from) = (segment.stretch as usize, pieces.len());
+                row.cut(index as u32, &row.plan.stretches[stretch], &knots[segment.knots.clone()], pieces);
+                let [first, end] = row.plan.window;
+                if (first..end).contains(&stretch) {
+                    shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
+                }
+            }
+            let reading = pieces.get(begin).map_or(row.before, |first| first.shown[0]);
+            cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0 });
+        }
+    }
+
+    /// The pieces of a row.
+    pub fn pieces_of(&self, row: usize) -> Range<usize> {
+        self.memory.cut[row].all.clone()
+    }
+
+    /// The reading of a row's sensor, Pa, at a time of the record, s, before the gas of the test arrives.
+    pub fn before(&self, row: usize, time: f64) -> f64 {
+        self.rows[row].sensor.shown(self.rows[row].before, time)
+    }
+
+    /// Time of the record, s, at a time of a segment.
+    pub fn record_time(&self, segment: u32, time: f64) -> f64 {
+        self.of_segment(segment).1.elapsed + time
+    }
+
+    /// A quantity in one interval a lane: segments and knots.
+    pub fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
+        Stencils::new(quantity, |lane| {
+            let (segment, knot) = interval(lane);
+            let knots = self.memory.segments[segment as usize].knots.clone();
+            (&self.of_segment(segment).1.clock, &self.memory.knots[knots], knot as usize)
+        })
+    }
+}
