@@ -19,7 +19,7 @@
 //! | of these tight, with effects without states | in the hold an integral over the temperature | `general::relaxation` |
 //! | of these tight, with a wall that remembers and what keeps the closed form | in the hold collocation | `general::remembering` |
 //!
-//! Which way a row takes is decided in `ways`. Without wide instructions (`instructions`) rows without a closed form are all of the
+//! Which way a row takes is decided in `Kernel::add`. Without wide instructions (`instructions`) rows without a closed form are all of the
 //! last kinds.
 //!
 //! Rows of `general` leave a trace: pressure and temperature with their slopes at the end of each step (`general::history`).
@@ -36,7 +36,6 @@ mod chambers;
 mod closed;
 mod conduction;
 mod ending;
-mod features;
 mod filter;
 mod general;
 mod instructions;
@@ -53,7 +52,6 @@ mod reader;
 mod regression;
 mod scenario;
 mod sets;
-mod ways;
 
 pub use batch::CHUNK;
 pub use general::compiled::has_code_of_its_own;
@@ -62,9 +60,11 @@ pub use outcome::{Failure, Fit, Outcome};
 pub use regression::samples::SAMPLE_RATE_HZ;
 pub use scenario::{Options, Scenario, Solver};
 
-use batch::Batch;
+use batch::{Batch, Features};
 use chamber::effects::EffectSet;
-use ways::Ways;
+use closed::ClosedRows;
+use general::GeneralRows;
+use own::Own;
 
 /// Solves each scenario into the outcome of the same index: [`Kernel::run`], with memory for this once.
 ///
@@ -74,17 +74,19 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
     Kernel::default().run(set, scenarios, options, out);
 }
 
-/// Solves batches one after the other in memory that it keeps.
+/// Solves batches one after the other in memory that it keeps: a chunk's rows by the way they are solved.
 #[derive(Default)]
 pub struct Kernel {
     instructions: InstructionSet,
-    ways: Ways,
+    closed: ClosedRows,
+    own: Own,
+    general: GeneralRows,
 }
 
 impl Kernel {
     /// With instructions of one's choice.
     pub fn new(instructions: InstructionSet) -> Self {
-        Self { instructions, ways: Ways::default() }
+        Self { instructions, ..Self::default() }
     }
 
     /// Solves each scenario into the outcome of the same index. `set` must contain every effect that is active in any
@@ -96,8 +98,44 @@ impl Kernel {
         assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
         let InstructionSet(arch) = self.instructions;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-            self.ways.solve(set, Batch { arch, scenarios, options }, out);
+            self.solve(set, Batch { arch, scenarios, options }, out);
         }
+    }
+
+    /// Solves a chunk of scenarios into the outcomes of the same index.
+    fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
+        let Batch { scenarios, .. } = batch;
+        for (row, (scenario, out)) in scenarios.iter().zip(&mut *out).enumerate() {
+            if let Err(reason) = self.add(row as u32, set, &Features::of(scenario, batch)) {
+                *out = Outcome::failed(reason);
+            }
+        }
+        for list in self.own.lists() {
+            for row in list.solve(batch, out) {
+                if let Err(reason) = self.general.add(row, set, &Features::of(&scenarios[row as usize], batch)) {
+                    out[row as usize] = Outcome::failed(reason);
+                }
+            }
+        }
+        self.closed.solve(set, batch, out);
+        self.general.solve(set, batch, out);
+    }
+
+    /// Adds a row to those that are solved in its way.
+    #[inline]
+    fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
+        let rows = if let Some(rows) = self.closed.rows_like(features) {
+            rows
+        } else if features.is_exact {
+            return Err(Failure::NoExactSolution);
+        } else if let Some(rows) = self.own.rows_like(features) {
+            rows
+        } else {
+            return self.general.add(row, set, features);
+        };
+        plan::check(set, features.active, features.scenario)?;
+        rows.push(row);
+        Ok(())
     }
 }
 

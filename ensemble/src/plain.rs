@@ -91,7 +91,7 @@ pub fn run(set: EffectSet, scenario: &Scenario, options: &Options) -> Outcome {
 }
 
 fn attempt(set: EffectSet, scenario: &Scenario, options: &Options) -> Result<Outcome, Failure> {
-    let plan = Plan::new(Vec::new(), set, scenario.chamber.active(), scenario)?;
+    let plan = Plan::new(set, scenario.chamber.active(), scenario)?;
     let chamber = &scenario.chamber;
     let first = plan.stretches[0].boundary(0.0);
     let initial = balance::state_at(chamber, &first, scenario.initial_pressure_pa, scenario.initial_temperature_k);

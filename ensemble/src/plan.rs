@@ -33,7 +33,7 @@ impl Stretch {
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Plan {
     /// Effects that are not neutral.
     pub active: EffectSet,
@@ -70,14 +70,13 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
 pub const MOST_STRETCHES: usize = 4;
 
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches, in the memory of others.
-    pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
+    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
-        let mut stretches = others;
-        stretches.clear();
+        let mut stretches = Vec::with_capacity(MOST_STRETCHES);
         stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
         stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));

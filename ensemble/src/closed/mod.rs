@@ -5,8 +5,7 @@ pub mod readings;
 mod rows;
 mod test;
 
-use crate::batch::Batch;
-use crate::features::Features;
+use crate::batch::{Batch, Features};
 use crate::filter::Behind;
 use crate::outcome::Outcome;
 use crate::plan;

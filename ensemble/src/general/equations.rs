@@ -334,7 +334,7 @@ mod tests {
         let chamber = chamber::papers_chamber::section_31(chamber::AreaLaw::Total);
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 1.04);
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
-        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balances::of(chamber);
         let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {

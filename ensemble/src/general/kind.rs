@@ -1,7 +1,7 @@
 //! Kinds of rows that are integrated, by what lanes must have in common.
 
 use super::{relaxation, remembering};
-use crate::features::Features;
+use crate::batch::Features;
 use chamber::effects;
 
 /// What rows that are integrated have in common.

@@ -14,6 +14,27 @@ const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
 
+/// Coefficients of e^r from r² on: 1/(i + 2)!.
+const INVERSE_FACTORIALS: [f64; 12] = {
+    let (mut all, mut factorial, mut i) = ([0.0; 12], 1.0, 0);
+    while i < 12 {
+        factorial *= (i + 2) as f64;
+        all[i] = 1.0 / factorial;
+        i += 1;
+    }
+    all
+};
+
+/// Coefficients of ln m in powers of s², over s and but for the first: 2/(2i + 3), and none for the last.
+const ODD_SERIES: [f64; 12] = {
+    let (mut all, mut i) = ([0.0; 12], 0);
+    while i < 11 {
+        all[i] = 2.0 / (2 * i + 3) as f64;
+        i += 1;
+    }
+    all
+};
+
 /// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
 #[inline(always)]
 pub fn inverse_eighth_root(x: Lanes) -> Lanes {
@@ -29,24 +50,7 @@ pub fn exp(x: Lanes) -> Lanes {
     let k = shifted - ROUND;
     let r = (x - k * LN2_HIGH) - k * LN2_LOW;
     let square = r * r;
-    let p = polynomial(
-        r,
-        square,
-        [
-            0.5,
-            1.0 / 6.0,
-            1.0 / 24.0,
-            1.0 / 120.0,
-            1.0 / 720.0,
-            1.0 / 5_040.0,
-            1.0 / 40_320.0,
-            1.0 / 362_880.0,
-            1.0 / 3_628_800.0,
-            1.0 / 39_916_800.0,
-            1.0 / 479_001_600.0,
-            1.0 / 6_227_020_800.0,
-        ],
-    );
+    let p = polynomial(r, square, INVERSE_FACTORIALS);
     let result = r + square * p + 1.0;
     result * power_of_two(shifted)
 }
@@ -74,24 +78,7 @@ pub fn ln(x: Lanes) -> Lanes {
     let f = m - 1.0;
     let s = f / (m + 1.0);
     let z = s * s;
-    let p = polynomial(
-        z,
-        z * z,
-        [
-            2.0 / 3.0,
-            2.0 / 5.0,
-            2.0 / 7.0,
-            2.0 / 9.0,
-            2.0 / 11.0,
-            2.0 / 13.0,
-            2.0 / 15.0,
-            2.0 / 17.0,
-            2.0 / 19.0,
-            2.0 / 21.0,
-            2.0 / 23.0,
-            0.0,
-        ],
-    );
+    let p = polynomial(z, z * z, ODD_SERIES);
     let half_square = f * f * 0.5;
     // ln m = f − (f²/2 − s (f²/2 + z p)), the form that keeps the leading term exact.
     k * LN2_HIGH - ((half_square - (s * (half_square + z * p) + k * LN2_LOW)) - f)

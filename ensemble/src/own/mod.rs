@@ -16,7 +16,7 @@ mod test;
 mod turns;
 mod walled;
 
-use crate::features::Features;
+use crate::batch::Features;
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
 use list::{List, Way};
