@@ -45,8 +45,6 @@ mod look;
 mod numerics;
 mod outcome;
 mod own;
-#[doc(hidden)]
-pub mod plain;
 mod plan;
 mod reader;
 mod regression;

@@ -2,7 +2,6 @@
 //! 2 to 7 on what it finds ([`fit`]). Pressures in Pa, times in s.
 
 pub mod fit;
-pub mod followed;
 mod least_squares;
 mod records;
 pub mod relaxing;

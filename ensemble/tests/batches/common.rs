@@ -1,6 +1,7 @@
 //! What the tests of batches share: rows of every kind, what the kernel makes of them, and how two outcomes are compared.
 
 use crate::numbers::Numbers;
+use crate::plain;
 use chamber::card::ClosedForm;
 use chamber::effects::empirical::{Curve, Term, Variable};
 use chamber::effects::{
@@ -10,7 +11,7 @@ use chamber::effects::{
 };
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, papers_chamber};
-use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
+use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario};
 
 /// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
 pub fn sealed(count: usize) -> Vec<Scenario> {
@@ -178,7 +179,7 @@ pub fn with_instructions(
 }
 
 pub fn reference(set: EffectSet, scenario: &Scenario) -> Outcome {
-    plain::run(set, scenario, &Options { relative_tolerance: 1e-12, ..Options::default() })
+    plain::run(set, scenario, 1e-12)
 }
 
 pub fn assert_close(ours: f64, expected: f64, tolerance: f64, what: &str) {

@@ -9,5 +9,6 @@ mod integrated_rows;
 #[path = "../common/numbers.rs"]
 mod numbers;
 mod paths;
+mod plain;
 mod sealed_rows;
 mod sensors;

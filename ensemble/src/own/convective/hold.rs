@@ -8,7 +8,7 @@
 //! r t = e^(nL) Σ d_j ζ^j − Σ d_j
 //!
 //! Over p = (e^(nL) − 1)/n that has the slope (1 − v)^n/(1 + v), which changes little: L at a time follows by Newton's method in p.
-//! For the samples of a record L over time is a polynomial between moments ([`crate::regression::followed`]).
+//! For the samples of a record L over time is a polynomial between moments ([`super::record`]).
 //! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
 //! ([`has_series`]). Temperatures in K, times in s since the push.
 
@@ -16,9 +16,6 @@ use crate::lanes::Lanes;
 use crate::lanes::math::in_powers_fused;
 use crate::numerics::root::Curve;
 use crate::outcome::SETTLED;
-use crate::regression::followed::{self, Followed, HoldMoment};
-use crate::regression::relaxing;
-use crate::regression::{Guess, Records};
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
 use chamber::real::Real;
 use core::hint::black_box;
@@ -61,18 +58,18 @@ pub struct Ends {
     pub end: Lanes,
     /// From when on the temperature is within 1 % of its way from its end, s.
     pub settling: Lanes,
-    relaxations: Lanes,
-    series: TimeOfRelaxations,
+    pub relaxations: Lanes,
+    pub series: TimeOfRelaxations,
 }
 
 /// The time over relaxations, s: see [`Curve::at`].
-struct TimeOfRelaxations {
+pub struct TimeOfRelaxations {
     exponent: Lanes,
     wall: Lanes,
     /// v0.
     first: Lanes,
     /// One over r, s.
-    slowness: Lanes,
+    pub slowness: Lanes,
     /// h_j v0^j, and d_j.
     slopes: [Lanes; TERMS],
     terms: [Lanes; TERMS],
@@ -106,7 +103,7 @@ impl TimeOfRelaxations {
 
     /// The temperature after so many relaxations.
     #[inline(always)]
-    fn temperature(&self, relaxations: Lanes) -> Lanes {
+    pub fn temperature(&self, relaxations: Lanes) -> Lanes {
         let v = self.first * (-relaxations).exp();
         self.wall * (Lanes::ONE + v) / (Lanes::ONE - v)
     }
@@ -119,7 +116,7 @@ impl TimeOfRelaxations {
 
     /// Relaxations after a time.
     #[inline(always)]
-    fn after(&self, time: Lanes) -> Lanes {
+    pub fn after(&self, time: Lanes) -> Lanes {
         let (asked, per_exponent) = (time / self.slowness, self.exponent.recip());
         // At first p goes by the first slope, at last by that of one, which is `ahead` of it: between the two by a hyperbola, and
         // within what any slope between them gives.
@@ -148,7 +145,7 @@ impl TimeOfRelaxations {
 
     /// The time over relaxations and its first three derivatives: r t' = e^(nL) (1 − v)^n/(1 + v), and v' = −v.
     #[inline(always)]
-    fn with_slopes(&self, relaxations: Lanes) -> [Lanes; 4] {
+    pub fn with_slopes(&self, relaxations: Lanes) -> [Lanes; 4] {
         let n = self.exponent;
         let (left, grown) = ((-relaxations).exp(), (n * relaxations).exp());
         let [terms, slopes] = black_box([&self.terms, &self.slopes]);
@@ -188,62 +185,16 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Lays out their records; the answer is a guess of τ.
-pub struct Record<'a> {
-    pub holds: &'a Holds,
-    pub ends: &'a Ends,
-    /// P/T, Pa/K.
-    pub per_temperature: Lanes,
-    /// Where the records go.
-    pub records: &'a mut Records,
-}
-
-impl WithSimd for Record<'_> {
-    type Output = Guess;
-
-    #[inline(always)]
-    fn with_simd<I: Simd>(self, _: I) -> Guess {
-        let Self { holds, ends, per_temperature, records } = self;
-        let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
-        relaxing::lay_out(&followed::Record(&Held { ends, hold, per_temperature }), push, push + hold, records);
-        Guess::Relaxation { rate: ends.series.slowness.recip(), excess: Lanes::ONE - wall / pushed, from: push }
-    }
-}
-
-/// Holds that were followed to their ends.
-struct Held<'a> {
-    ends: &'a Ends,
-    hold: Lanes,
-    per_temperature: Lanes,
-}
-
-impl Followed for Held<'_> {
-    #[inline(always)]
-    fn moment(&self, relaxations: f64) -> HoldMoment {
-        let Ends { series, relaxations: last, .. } = self.ends;
-        let goes_on = *last - relaxations;
-        let at = last.min(Lanes::from(relaxations));
-        let [time, slopes @ ..] = series.with_slopes(at);
-        HoldMoment::new(goes_on.where_positive(time, self.hold), at, slopes)
-    }
-
-    #[inline(always)]
-    fn pressure(&self, relaxations: Lanes) -> Lanes {
-        self.ends.series.temperature(relaxations) * self.per_temperature
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::numerics::gauss::{NODES, node};
-    use crate::regression::relaxing::Relaxing;
     use proptest::prelude::*;
     use pulp::Scalar;
 
     /// Time, s, from one temperature to another: dt = −dT/(c T (T − Tw) |(T − Tw)/20 K|^n) over ln |T − Tw|, by Gauss–Legendre
     /// quadrature in parts.
-    fn between(exponent: f64, rate: f64, wall: f64, [from, to]: [f64; 2]) -> f64 {
+    pub fn between(exponent: f64, rate: f64, wall: f64, [from, to]: [f64; 2]) -> f64 {
         let way = ((from - wall) / (to - wall)).ln();
         let parts = (4.0 * way).ceil();
         let nodes = |part: f64| (0..NODES).map(node).map(move |(x, w)| ((part + x) / parts, w / parts));
@@ -271,33 +222,6 @@ mod tests {
             // Temperatures are rounded: of a way of less than a kelvin that takes away digits.
             let allowed = 1e-10 / (from - wall[3]).abs().min(1.0);
             prop_assert!((settling[3] / expected - 1.0).abs() < allowed, "{} {expected}", settling[3]);
-        }
-
-        #[test]
-        fn the_record_from_part_to_part_is_the_series(
-            exponent in 0.02..2.4f64, rate in 0.01..100.0f64, wall in 250.0..350.0f64, ratio in 0.4..2.5f64, left in 1e-6..0.99f64,
-        ) {
-            let from = wall * ratio;
-            prop_assume!(has_series(exponent, from, wall));
-            let hold = between(exponent, rate, wall, [from, wall + (from - wall) * left]);
-            let [exponent, rate, wall, pushed, hold] = [exponent, rate, wall, from, hold].map(Lanes::from);
-            let holds = Holds { exponent, rate, wall, pushed, push: Lanes::ONE, hold };
-            let ends = Solve(&holds).with_simd(Scalar::new());
-            let held = Held { ends: &ends, hold, per_temperature: Lanes::ONE };
-            let record = followed::Record(&held);
-            let mut begin = record.knot(0.0);
-            for relaxations in relaxing::SLOWING_ENDS {
-                let end = record.knot(*relaxations);
-                let course = record.course([&begin, &end]);
-                for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
-                    let [from, to] = [&begin, &end].map(|knot| followed::Record::<Held>::time(knot)[3]);
-                    let time = Lanes::from(from + (to - from) * share);
-                    let (found, expected) = (course.at(time)[3], ends.series.temperature(ends.series.after(time))[3]);
-                    let allowed = 1e-7 * (from - to).abs().min(1.0).max((pushed[3] - wall[3]).abs());
-                    prop_assert!((found - expected).abs() < allowed, "{relaxations} {share}: {found} {expected}");
-                }
-                begin = end;
-            }
         }
     }
 }

@@ -12,6 +12,7 @@
 //! The gas has to stay on one side of the wall's temperature ([`stays_on_a_side`]). T in K, k in 1/(K s), u a pure number.
 
 mod hold;
+mod record;
 pub mod rows;
 mod start;
 

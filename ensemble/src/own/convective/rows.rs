@@ -1,7 +1,8 @@
 //! Tests with natural convection as they come: the push of [`super`], and a hold that is a series
 //! ([`hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
 
-use super::hold::{self, Ends, Holds, Record, Solve};
+use super::hold::{self, Ends, Holds, Solve};
+use super::record::Record;
 use super::{ConvectiveTest, EFFECTS};
 use crate::batch::Batch;
 use crate::ending::{AfterPush, HoldsEnded};
