@@ -1,4 +1,4 @@
-//! Scenarios that are solved together, and what decides how each is solved.
+//! A batch of scenarios, and the features of a row that decide how it is solved.
 
 use crate::filter::Behind;
 use crate::instructions;
@@ -8,10 +8,10 @@ use chamber::AreaLaw;
 use chamber::effects::{self, EffectSet};
 use pulp::Arch;
 
-/// Scenarios that are solved together: as many as keep their working memory in a core's cache.
+/// Number of scenarios solved together: their working memory fits a core's cache.
 pub const CHUNK: usize = 512;
 
-/// Scenarios that are solved together, how, and with which instructions.
+/// Scenarios solved together, with the options and the instruction set.
 #[derive(Clone, Copy)]
 pub struct Batch<'a> {
     pub arch: Arch,
@@ -19,26 +19,26 @@ pub struct Batch<'a> {
     pub options: &'a Options,
 }
 
-/// What decides how a row is solved.
+/// The features of a row that decide how it is solved.
 pub struct Features<'a> {
     pub scenario: &'a Scenario,
-    /// Its active effects, and those on the gas.
+    /// Active effects, and those of them that act on the gas.
     pub active: EffectSet,
     pub of_gas: EffectSet,
-    /// The sensor, where the record does not show the gas as it is.
+    /// The sensor, if any of its effects is active.
     pub behind: Option<Behind>,
-    /// Whether no gas enters or leaves but by effects.
+    /// Whether there are no constant flows.
     pub is_sealed: bool,
     pub is_swept: bool,
-    /// Whether the integrator is asked for, or closed forms only.
+    /// Whether only the integrator, or only the exact solution, is allowed.
     pub integrates: bool,
     pub is_exact: bool,
-    /// Whether there are wide instructions.
+    /// Whether the instruction set is a wide one.
     pub is_wide: bool,
 }
 
 impl<'a> Features<'a> {
-    /// Of a scenario of a batch.
+    /// The features of a scenario of a batch.
     #[inline]
     pub fn of(scenario: &'a Scenario, Batch { arch, options, .. }: Batch) -> Self {
         let active = scenario.chamber.active();

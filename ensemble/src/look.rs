@@ -1,4 +1,4 @@
-//! What is asked of curves, one a lane: where they turn round, when they come within a band for good, and values.
+//! Queries on curves, one per lane: where they turn, when they enter a band, and their values.
 
 use crate::lanes::Lanes;
 use crate::numerics::root::{Beyond, Curve, crossing, root};
@@ -7,14 +7,14 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Share of a piece to both sides of a place, to tell there whether the record rises.
+/// Half the distance over which the rise of a curve is measured, relative to the piece.
 const BESIDE: f64 = 1e-5;
 
-/// What a curve a lane is made of: often the curve itself.
+/// The data that a curve is made of; often the curve itself.
 pub trait Reading {
-    /// What events and roots are looked for on.
+    /// The curve.
     type Curve: Curve;
-    /// Makes it, with the instructions at hand.
+    /// Makes the curve; inlined into the code of the instruction set in use.
     fn curve(self) -> Self::Curve;
 }
 
@@ -27,28 +27,28 @@ impl<C: Curve> Reading for C {
     }
 }
 
-/// What is looked for.
+/// A query.
 #[derive(Clone, Copy, Debug)]
 pub enum Question {
-    /// The time at which the curve turns round, and its value there.
+    /// The time at which the curve turns, and its value there.
     Turn,
-    /// The time, between two at the first of which it is outside, at which the curve comes within a band around a value.
+    /// The time at which the curve enters a band around a value, between two times at the first of which it is outside.
     Enter { between: [Lanes; 2], value: Lanes, band: Lanes },
-    /// Values at some times.
+    /// The values at given times.
     Pressures([Lanes; POINTS]),
 }
 
-/// A question about a part of a curve a lane.
+/// A query on a part of one curve per lane.
 pub struct Look<R> {
-    /// What makes the curve.
+    /// Data of the curve.
     pub reading: R,
-    /// Begin and end of the part of the curve that is looked at.
+    /// Begin and end of the part.
     pub times: [Lanes; 2],
-    /// What is looked for there.
+    /// The query.
     pub question: Question,
 }
 
-/// Where a curve turns round: its rise.
+/// The rise of a curve, which is zero where the curve turns.
 struct Turning<'a, C> {
     curve: &'a C,
     beside: Lanes,
@@ -62,7 +62,7 @@ impl<C: Curve> Curve for Turning<'_, C> {
 }
 
 impl<R: Reading> Look<R> {
-    /// The answer: time and value of a turn, the time of coming within a band, or the values. One function for all that ask.
+    /// The answer: time and value of a turn, time of entry into a band, or values. Not inlined, to keep one copy of the code.
     #[inline(never)]
     pub fn answer(self, arch: Arch) -> [Lanes; POINTS] {
         arch.dispatch(self)
@@ -76,7 +76,7 @@ impl<R: Reading> WithSimd for Look<R> {
     fn with_simd<I: Simd>(self, _: I) -> Self::Output {
         let Self { reading, times, question } = self;
         let curve = reading.curve();
-        // Times at which values are asked for, how many, and where these go.
+        // Times at which to evaluate the curve, their number, and where the values go in the answer.
         let (mut at, mut count, mut to) = ([Lanes::ZERO; POINTS], 0, 0);
         match question {
             Question::Turn => {

@@ -1,4 +1,4 @@
-//! Rows by their closed forms, by kind: see [`rows`].
+//! Rows with closed forms, grouped by kind: see [`rows`].
 
 pub mod kept;
 pub mod readings;
@@ -11,8 +11,8 @@ use crate::outcome::Outcome;
 use crate::plan;
 use chamber::effects::{self, EffectSet};
 
-/// How many kinds of rows there are: without effects that keep the closed form, or with some and one of two area laws; that show the
-/// gas, or by sensors that lag or do not, and are delayed or are not.
+/// Number of kinds: without effects that keep the closed form, or with some and one of two area laws; times without sensor effects, or
+/// with or without a lag and with or without a delay.
 const KINDS: usize = 3 * 5;
 
 /// A chunk's rows with closed forms, by kind.
@@ -23,11 +23,11 @@ pub struct ClosedRows {
 }
 
 impl ClosedRows {
-    /// The rows of the kind of such a row, where there is a closed form and it is the quicker way or the only one wanted.
+    /// The list for a row, if it has a closed form and that is the faster or the only allowed method.
     #[inline]
     pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let s = row.scenario;
-        // A record that is late by more than the push or the hold shows other parts of the test.
+        // A record delayed by more than the push or the hold shows other parts of the test.
         let shortest = s.push_time_s.min(s.hold_s());
         let in_time = |b: Behind| plan::check_duration(s).is_err() || b.delay < shortest;
         let is_closed = !row.integrates
@@ -39,7 +39,7 @@ impl ClosedRows {
         is_closed.then(|| &mut self.lists[gas + 3 * shown])
     }
 
-    /// Solves all, after which there are none.
+    /// Solves all rows and empties the lists.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         for (kind, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };

@@ -1,6 +1,5 @@
-//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed
-//! form ([`kept`](crate::closed::kept)), and what a sensor shows of either ([`readings`]). No integration, no
-//! tolerance.
+//! Solves tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed form
+//! ([`kept`](crate::closed::kept)), and the sensor's readings of either ([`readings`]). No integration, no tolerance.
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
@@ -25,23 +24,22 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
     buffers: Buffers,
 }
 
-/// Buffers for what is asked of the records.
+/// Buffers for the records.
 #[derive(Default)]
 struct Buffers {
     records: Records,
     readings: readings::Memory,
 }
 
-/// Solves checked scenarios by their numbers. `set` are effects that keep the closed form; where there are any,
-/// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
-/// sensors lag or none, and all are delayed or none.
+/// Solves checked scenarios, given by their indices. `set` are the effects that keep the closed form; if there are any, all rows have
+/// the same area law. `shown` are the effects on the reading, if any; all sensors lag or none, and all records are delayed or none.
 pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[u32], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, buffers } = memory;
@@ -54,7 +52,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
-    // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
+    // Sorted by the number of parts of push and record, so that few lanes wait for one with more parts.
     let kind = |test: &ExactTest| {
         let relaxations = test.rate * test.hold;
         let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
@@ -71,7 +69,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
-        // Only a sensor that lags or is late shows what was before the end of the push.
+        // Only a sensor with a lag or a delay needs the pressure during the push.
         let behind = (!shown.is_empty()).then(|| Behind::new(shown, &scenario(0).chamber.effects));
         let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
@@ -93,7 +91,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     }
 }
 
-/// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
+/// Sets the wall's temperature, the rates and, if it is linear, the heat exchange of tests with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [ExactTest], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
@@ -112,24 +110,24 @@ fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Exac
     }
 }
 
-/// What effects make of tests.
+/// What effects change in the closed form.
 struct Changed {
     /// Temperatures of the walls, K.
     wall: Lanes,
     /// 1/τ_f of the hold, 1/s.
     held: Lanes,
-    /// How many time scales the push lasts.
+    /// Duration of the push in time scales.
     time_scales: Lanes,
-    /// What is exchanged during the push, by a line over the volume, and where that is not enough a positive number.
+    /// Heat exchange during the push as a line over the volume; `bend` is positive if it is not linear.
     exchange: [Lanes; 2],
     bend: Lanes,
 }
 
-/// Works out [`Changed`].
+/// Computes [`Changed`].
 struct Change<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
-    /// Without the effects.
+    /// The tests without the effects.
     tests: &'a Tests,
 }
 
@@ -157,7 +155,7 @@ type Effects<'a> = Option<(EffectSet, &'a Balances<Lanes>)>;
 struct Solve<'a> {
     tests: &'a Tests,
     effects: Effects<'a>,
-    /// For 1/T at the nodes of the push, where it is asked for.
+    /// Receives 1/T at the nodes of the push, if needed.
     nodes: Option<&'a mut Vec<[Lanes; NODES]>>,
 }
 
@@ -181,21 +179,21 @@ impl WithSimd for Solve<'_> {
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
-        // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
+        // 1 − Tw/T decays exponentially: the time at which it reaches the edge of the band around the end.
         let edge = end + (pushed - end) * SETTLED;
         let settling = ((Lanes::ONE - wall / pushed) / (Lanes::ONE - wall / edge)).ln() / rate;
         black_box(Ends { pushed, end, rate, settling })
     }
 }
 
-/// A group of tests with how they ended.
+/// A group of solved tests.
 struct Solved<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
 }
 
 impl Solved<'_> {
-    /// How the tests have ended for the gas.
+    /// The ends of the tests, for the gas.
     fn ended(&self, regressions: Option<Regressions>) -> HoldsEnded {
         let Self { tests, ends, .. } = self;
         HoldsEnded {
@@ -208,7 +206,7 @@ impl Solved<'_> {
         }
     }
 
-    /// The outcomes where the record shows the gas, with a regression where it is said whether their records are steep.
+    /// The outcomes without sensor effects; with the regression if `is_steep` is given, which says whether the records are steep.
     fn outcomes<'s>(
         &self,
         arch: Arch,
@@ -225,7 +223,7 @@ impl Solved<'_> {
         core::array::from_fn(|lane| ended.ending(lane, scenario(lane)).outcome())
     }
 
-    /// The outcomes behind sensors, with effects on the reading.
+    /// The outcomes with effects on the reading.
     fn readings<'s>(
         &self,
         arch: Arch,
@@ -256,7 +254,7 @@ impl Solved<'_> {
     }
 }
 
-/// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
+/// Pressure while the piston rests, P = Pf/(1 − ε e^(−k t)), Pa.
 struct ExactHold<const FUSED: bool, const STEEP: bool> {
     at_rest: Lanes,
     excess: Lanes,
@@ -292,7 +290,7 @@ impl<const FUSED: bool, const STEEP: bool> Curve for &ExactHold<FUSED, STEEP> {
     }
 }
 
-/// Lays their records out; the answer is a guess of τ.
+/// Lays out the records; returns a guess of τ.
 struct Record<'a> {
     tests: &'a Tests,
     ends: &'a Ends,

@@ -1,5 +1,4 @@
-//! Rows of any kind by adaptive integration in lanes: stretch after stretch of all rows of a chunk, then what is asked
-//! of their records.
+//! Adaptive integration of rows in lanes: stretch by stretch for all rows of a chunk, then the evaluation of their records.
 
 use crate::batch::Batch;
 use crate::ending::AfterPush;
@@ -24,16 +23,16 @@ use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
 
-/// Share of the initial mass below which a chamber whose equations cannot be followed further has run empty.
+/// A chamber whose integration fails below this fraction of its initial mass has run empty.
 const EMPTY: f64 = 0.01;
-/// Steps of all lanes that are kept at most, 768 bytes each; the fewest rows together keep as many as they need.
+/// Largest number of kept steps of all lanes, 768 bytes each; unlimited for the smallest group of rows.
 const HISTORY: usize = 1 << 14;
-/// The fewest rows that are solved together.
+/// Smallest group of rows that is solved together.
 const FEWEST: usize = 16;
-/// Knots after which traces are read: they and what is made of them stay in a core's nearest cache.
+/// Number of knots after which traces are read, so that they fit a core's nearest cache.
 const KNOTS: usize = 1 << 11;
 
-/// A row that is being integrated, stretch by stretch.
+/// A row under integration.
 struct IntegratedRow<'a> {
     row: u32,
     scenario: &'a Scenario,
@@ -41,20 +40,20 @@ struct IntegratedRow<'a> {
     balance: &'a Balances,
     sensor: Sensor,
     bends: Bends<'a>,
-    /// Number of states that count in the error norm.
+    /// Number of states in the error norm.
     counted: f64,
-    /// Mass, kg, and internal energy, J, at its start.
+    /// Initial mass, kg, and internal energy, J.
     initial: [f64; 2],
-    /// The same where it has come to.
+    /// Current mass, kg, and internal energy, J.
     contents: [f64; 2],
-    /// Energy that the gas has received as heat and enthalpy less its work, and the magnitudes of its work, J.
+    /// Energy received as heat and enthalpy less work done, and the sum of the magnitudes of the work, J.
     energy: [f64; 2],
-    /// Of each stretch where the history has its steps, and what is seen at its start.
+    /// For each stretch its steps in the history, and the view at its start.
     passed: [(Steps, View<f64>); MOST_STRETCHES],
     failure: Option<Failure>,
 }
 
-/// States of a row where it has come to, and their absolute tolerances.
+/// Current states of a row, and their absolute tolerances.
 struct States<const N: usize> {
     state: [f64; N],
     absolute: [f64; N],
@@ -70,8 +69,7 @@ pub struct Memory {
     remembering: remembering::Memory,
 }
 
-/// Runs checked rows (number and plan) that have their area law and their kind in common. `set` are the effects on the gas,
-/// `BITS` the same.
+/// Solves checked rows (index and plan) of one area law and kind. `set` are the effects on the gas, all contained in `BITS`.
 pub fn run<const N: usize, const BITS: u32>(
     batch: Batch,
     memory: &mut Memory,
@@ -95,7 +93,7 @@ pub fn run<const N: usize, const BITS: u32>(
     let remembers = (kind == Kind::Remembering).then_some(remembering);
     let stretches = if kind == Kind::Relaxing { 1 } else { MOST_STRETCHES };
     if !integrate::<N, BITS>(batch, history, set, (&mut courses, &mut states), stretches, remembers) {
-        // Too many steps to keep: fewer rows at a time.
+        // Too many steps to keep: solves fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(batch, memory, set, kind, rows, out);
         }
@@ -116,7 +114,7 @@ fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Sce
     }
 }
 
-/// Reads what is asked of rows off their traces.
+/// Reads the outcomes of rows from their traces.
 fn read(batch: Batch, reader: &mut reader::Memory, history: &History, courses: &[IntegratedRow], out: &mut [Outcome]) {
     let Batch { arch, options, .. } = batch;
     let mut rest = courses;
@@ -143,8 +141,8 @@ fn read(batch: Batch, reader: &mut reader::Memory, history: &History, courses: &
     }
 }
 
-/// Integrates rows over so many stretches at most; false where the history is too long. With walls that remember, `remembers`
-/// has the memory for their holds.
+/// Integrates rows over at most `stretches` stretches; false if the history is full. `remembers` is the memory for the holds of rows
+/// with a conducting wall.
 fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
     history: &mut History,
@@ -212,7 +210,7 @@ fn integrate<const N: usize, const BITS: u32>(
 }
 
 impl<'a> IntegratedRow<'a> {
-    /// A row at its start, and all states of its chamber there.
+    /// A row at its start, and all states of its chamber.
     fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let of_gas = sets::on_the_gas(plan.active);
@@ -235,13 +233,13 @@ impl<'a> IntegratedRow<'a> {
         (course, states)
     }
 
-    /// What the integrator needs of it for a stretch.
+    /// Its data for the integration of a stretch.
     fn system(&self, stretch: usize) -> Row<'_> {
         let stretch = &self.plan.stretches[stretch];
         Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
     }
 
-    /// The longest step through a stretch, s, and its first one; zero where that is to be found out.
+    /// Longest and first step of a stretch, s; zero if the first is to be estimated.
     fn steps(&self, index: usize) -> (f64, f64) {
         let stretch = &self.plan.stretches[index];
         let longest = if index >= seen_from(self.plan, &self.sensor) {
@@ -256,13 +254,13 @@ impl<'a> IntegratedRow<'a> {
         (longest, if bent { FIRST_OF_BENT * stretch.length } else { 0.0 })
     }
 
-    /// Whether it goes through a stretch.
+    /// Whether it still has to pass a stretch.
     fn goes_on(&self, index: usize) -> bool {
         self.failure.is_none() && index < self.plan.stretches.len()
     }
 
-    /// Goes on from the end of a stretch: mass, kg, and internal energy, J, there, the energy received as heat and enthalpy and the
-    /// work over it, J, and why it was given up.
+    /// Records the end of a stretch: mass, kg, and internal energy, J, energy received as heat and enthalpy and work done over the
+    /// stretch, J, and the failure, if any.
     fn pass(&mut self, contents: [f64; 2], [received, work]: [f64; 2], failure: Option<Failure>) {
         self.contents = contents;
         self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
@@ -270,7 +268,7 @@ impl<'a> IntegratedRow<'a> {
         self.failure = failure.map(|reason| if left.is_nan() || left <= EMPTY { Failure::Empty } else { reason });
     }
 
-    /// How its push has ended, where only that was integrated.
+    /// The end of its push, if only that was integrated.
     fn after_push(&self) -> AfterPush {
         AfterPush {
             row: self.row,
@@ -282,7 +280,7 @@ impl<'a> IntegratedRow<'a> {
         }
     }
 
-    /// Hands its trace over.
+    /// Adds its trace.
     fn trace(&self, history: &History, traces: &mut Traces<'a>) {
         traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
         if self.failure.is_some() {
@@ -297,20 +295,20 @@ impl<'a> IntegratedRow<'a> {
         }
     }
 
-    /// Volume of the hold, m³, and the temperature of gas and wall at rest, K.
+    /// Volume of the hold, m³, and temperature of gas and wall at rest, K.
     fn held(&self) -> [f64; 2] {
         let Scenario { chamber, final_position_m, ambient_temperature_k, .. } = self.scenario;
         [chamber.geometry.volume(*final_position_m), chamber.effects.rest_temperature(*ambient_temperature_k)]
     }
 
-    /// τ of a tight chamber in its place, s, once it has come to rest.
+    /// τ of a tight chamber with its gas at rest, s.
     fn time_constant(&self) -> f64 {
         let (chamber, [volume, rest]) = (&self.scenario.chamber, self.held());
         let pressure = self.contents[MASS] * chamber.gas.gas_constant * rest / volume;
         1.0 / Closed::filled(chamber, pressure, rest, volume, rest).rate(volume)
     }
 
-    /// How its record stands at the end, where the gas has that pressure, Pa, and the wall comes to that temperature, K.
+    /// What is outstanding at the end of its record, given the gas pressure, Pa, and the final temperature of the wall, K.
     fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
         let &Plan { duration, delay, .. } = self.plan;
         let hold = self.scenario.hold_s();
@@ -330,7 +328,7 @@ impl<'a> IntegratedRow<'a> {
         Standing { distance, to_come: to_come.abs(), going_on, stands }
     }
 
-    /// The outcome from what the record has answered.
+    /// The outcome, from what was read from the record.
     fn outcome(&self, a: &RowAnswer, regression: Option<Regression>) -> Outcome {
         let [volume, rest] = self.held();
         let gas_pressure = self.contents[MASS] * self.scenario.chamber.gas.gas_constant * a.temperature_final / volume;

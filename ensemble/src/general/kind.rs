@@ -1,26 +1,26 @@
-//! Kinds of rows that are integrated, by what lanes must have in common.
+//! Kinds of integrated rows, which are solved separately.
 
 use super::{relaxation, remembering};
 use crate::batch::Features;
 use chamber::effects;
 
-/// What rows that are integrated have in common.
+/// The kind of an integrated row.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Gas may enter or leave, at constant rates and by effects.
+    /// Gas may enter or leave, at constant rates or by effects.
     Open,
     /// No gas enters or leaves.
     Tight,
-    /// Nor has the hold a state but the temperature: see [`relaxation`].
+    /// Tight, and temperature is the only state of the hold: see [`relaxation`].
     Relaxing,
-    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`remembering`].
+    /// Tight, and temperature and the modes of a conducting wall are the only states of the hold: see [`remembering`].
     Remembering,
 }
 
 impl Kind {
     pub const ALL: [Self; 4] = [Self::Open, Self::Tight, Self::Relaxing, Self::Remembering];
 
-    /// That of a row.
+    /// The kind of a row.
     pub fn of(row: &Features) -> Self {
         let of_gas = row.of_gas;
         let by_integrals = row.is_wide && !row.integrates;

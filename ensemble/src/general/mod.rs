@@ -1,5 +1,5 @@
-//! Rows of any chamber by the integrator: the equations of all of them ([`equations`]), in code for their set of effects where there
-//! is some ([`compiled`]), stretch after stretch ([`course`]).
+//! Rows with any effects by the integrator: the general equations ([`equations`]), compiled for common sets of effects
+//! ([`compiled`]), integrated stretch by stretch ([`course`]).
 
 pub mod compiled;
 mod course;
@@ -16,23 +16,23 @@ use crate::plan::Plan;
 use chamber::effects::EffectSet;
 use kind::Kind;
 
-/// A chunk's rows that are integrated so, by kind and area law: what lanes must have in common.
+/// A chunk's rows by kind and area law, which the lanes must have in common.
 #[derive(Default)]
 pub struct GeneralRows {
-    /// Numbers of the rows, and their plans.
+    /// Indices of the rows, and their plans.
     lists: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
     memory: course::Memory,
 }
 
 impl GeneralRows {
-    /// Plans one more, unless it cannot be solved.
+    /// Checks and plans a row and adds it to its list.
     pub fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
         let plan = Plan::new(set, features.active, features.scenario)?;
         self.lists[usize::from(features.is_swept) + 2 * Kind::of(features) as usize].push((row, plan));
         Ok(())
     }
 
-    /// Solves all, after which there are none.
+    /// Solves all rows and empties the lists.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         for (number, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);

@@ -1,5 +1,5 @@
-//! Tests whose push is integrated and whose hold is an integral over the temperature: those that no gas enters or leaves,
-//! with effects that have no states, and a record that shows the gas. See [`relaxation`](crate::general::relaxation).
+//! Tests with an integrated push and a hold that is an integral over temperature: tight tests with effects without states and without
+//! sensor effects. See [`relaxation`](crate::general::relaxation).
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
@@ -12,7 +12,7 @@ use crate::regression::Records;
 use chamber::balance::{self, Boundary, ENERGY};
 use chamber::effects::EffectSet;
 
-/// [`Ending::relative_rate`] of gas whose temperature is not yet that of the wall.
+/// [`Ending::relative_rate`], unless the gas has the wall's temperature already.
 fn relative_rate(set: EffectSet, after: &AfterPush, ending: &Ending) -> Option<f64> {
     let &Ending { scenario: s, wall, pushed, end, .. } = ending;
     let is_there = (end - wall).abs() <= SETTLED * (pushed - end).abs();
@@ -26,7 +26,7 @@ fn relative_rate(set: EffectSet, after: &AfterPush, ending: &Ending) -> Option<f
     })
 }
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
@@ -34,11 +34,11 @@ pub struct Memory {
     records: Records,
 }
 
-/// Ends tests of one area law after their pushes; `set` are effects that are active in any of them.
+/// Solves the holds of tests of one area law; `set` are the effects that are active in any of them.
 pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, rows: &mut [AfterPush], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { chambers, parts, records } = memory;
-    // Lanes that wait for one with more parts are few where neighbours have as many.
+    // Sorted by their number of relaxations, so that few lanes wait for one with more panels.
     rows.sort_unstable_by(|a, b| a.relaxations.total_cmp(&b.relaxations));
     for group in rows.chunks(WIDTH) {
         let row = |lane: usize| &group[lane.min(group.len() - 1)];

@@ -1,5 +1,5 @@
-//! Holds of tight rows in front of a wall that remembers, with what keeps the closed form beside it: by [`crate::conduction`], from
-//! where the integrator has taken their pushes.
+//! Holds of tight rows with a conducting wall and effects that keep the closed form, solved by [`crate::conduction`] after an
+//! integrated push.
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
@@ -22,25 +22,24 @@ use chamber::effects::{self, EffectSet};
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// The effects on the gas that a row may have: a wall that remembers, and those that keep λ/T, area and wall what they are.
+/// The effects on the gas that a row may have: a conducting wall, and those that keep λ/T, area and wall temperature constant.
 pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
-    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    /// Responses over the last steps of the holds, which most rows of a study share.
     last: Box<Response<Lanes>>,
 }
 
-/// The coarsest steps for a row: the record of a sensor that lags is read from polynomials between their ends.
+/// The coarsest level of steps for a row: the record of a lagging sensor is read from polynomials between their ends.
 pub fn coarsest(sensor: &Sensor) -> usize {
     usize::from(sensor.lag > 0.0)
 }
 
-/// Solves problems of rows whose pistons rest, with effects of [`EFFECTS`], from a level each on. Among their states 1/√U has the
-/// first of the two places, and the modes follow from the second on. Answers which it has solved; the others are left as they
-/// are.
+/// Solves problems of rows with resting pistons and effects of [`EFFECTS`], each from its own level on. The two indices are those of
+/// 1/√U and of the first mode among their states. Returns which problems it has solved; the others remain unchanged.
 pub fn hold<const N: usize>(
     batch: Batch,
     memory: &mut Memory,
@@ -106,7 +105,7 @@ pub fn hold<const N: usize>(
     solved
 }
 
-/// Keeps what is seen at their ends.
+/// Keeps the views at the ends of steps.
 struct KeepViews<'a> {
     history: &'a mut History,
     /// P/T, Pa/K.
@@ -120,7 +119,7 @@ impl Keep for KeepViews<'_> {
     }
 }
 
-/// As many holds as there are lanes.
+/// Holds, one per lane.
 struct SolveHolds<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
@@ -134,11 +133,11 @@ struct SolveHolds<'a> {
     history: &'a mut History,
 }
 
-/// How they end.
+/// Ends of the holds.
 struct HoldEnds {
-    /// Positive where they are solved.
+    /// Positive if solved.
     good: Lanes,
-    /// What is seen at the start.
+    /// View at the start.
     begin: View<Lanes>,
     energy: Lanes,
     modes: [Lanes; MODES],

@@ -1,10 +1,10 @@
-//! e^x and ln x in lanes, without branches, within about one unit in the last place; and x^n to thirteen digits, in half of the
-//! time that these two take.
+//! e^x and ln x in lanes, without branches, within about one unit in the last place; and x^n to thirteen digits, in half the time of
+//! these two.
 //!
 //! exp: x = k ln 2 + r, |r| ≤ ½ ln 2 (Cody and Waite, 1980), Taylor polynomial of degree 13 in r.
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
-//! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent that the length of a step needs.
+//! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent needed for the length of a step.
 
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
@@ -35,14 +35,14 @@ const ODD_SERIES: [f64; 12] = {
     all
 };
 
-/// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
+/// x^(−1/8) within a few per cent, for x > 0: by a shift of the number's bits.
 #[inline(always)]
 pub fn inverse_eighth_root(x: Lanes) -> Lanes {
     const ONE: u64 = 0x3ff0_0000_0000_0000;
     each_lane!(i => f64::from_bits((ONE + ONE / 8).wrapping_sub(x.0[i].to_bits() >> 3)))
 }
 
-/// e^x for x in [−708, 709]; outside, the value at the bound.
+/// e^x for x in [−708, 709]; outside, the value at the nearer bound.
 #[inline(always)]
 pub fn exp(x: Lanes) -> Lanes {
     let x = x.min(Lanes::from(709.0)).max(Lanes::from(-708.0));
@@ -71,7 +71,7 @@ pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
     p * power_of_two(shifted)
 }
 
-/// Natural logarithm of a positive, normal x; other x give an arbitrary number.
+/// Natural logarithm of a positive, normal x; arbitrary for other x.
 #[inline(always)]
 pub fn ln(x: Lanes) -> Lanes {
     let [k, m] = exponent_and_mantissa(x);
@@ -80,7 +80,7 @@ pub fn ln(x: Lanes) -> Lanes {
     let z = s * s;
     let p = polynomial(z, z * z, ODD_SERIES);
     let half_square = f * f * 0.5;
-    // ln m = f − (f²/2 − s (f²/2 + z p)), the form that keeps the leading term exact.
+    // ln m = f − (f²/2 − s (f²/2 + z p)): in this form the leading term is exact.
     k * LN2_HIGH - ((half_square - (s * (half_square + z * p) + k * LN2_LOW)) - f)
 }
 
@@ -104,7 +104,7 @@ fn power_of_two(shifted: Lanes) -> Lanes {
     each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52))
 }
 
-/// x^n of a positive, normal x, |n lb x| < 1000, to thirteen digits. For machines that multiply and add at once.
+/// x^n of a positive, normal x, |n lb x| < 1000, to thirteen digits. For machines with fused multiply-add.
 #[inline(always)]
 pub fn power(x: Lanes, n: Lanes) -> Lanes {
     let [k, m] = exponent_and_mantissa(x);
@@ -155,8 +155,8 @@ fn linear(x: Lanes, constant: f64, slope: f64) -> Lanes {
     each_lane!(i => x.0[i].mul_add(slope, constant))
 }
 
-/// A polynomial by its coefficients in powers of x, an even number of them: even and odd powers apart, of which half as many
-/// operations wait for each other as of Horner's scheme.
+/// A polynomial in x with an even number of coefficients: even and odd powers separately, with half the dependency chain of Horner's
+/// scheme.
 #[inline(always)]
 pub fn in_powers<R: Real, const N: usize>(terms: &[R; N], x: R) -> R {
     let square = x * x;
@@ -168,7 +168,7 @@ pub fn in_powers<R: Real, const N: usize>(terms: &[R; N], x: R) -> R {
     even + odd * x
 }
 
-/// The same in four sums, for machines that multiply and add at once.
+/// The same in four sums, for machines with fused multiply-add.
 #[inline(always)]
 pub fn in_powers_fused<const N: usize>(terms: &[Lanes; N], x: Lanes) -> Lanes {
     let (square, fourth) = (x * x, (x * x) * (x * x));
@@ -181,8 +181,8 @@ pub fn in_powers_fused<const N: usize>(terms: &[Lanes; N], x: Lanes) -> Lanes {
     fused(fused(sums[3], x, sums[2]), square, fused(sums[1], x, sums[0]))
 }
 
-/// A polynomial of degree 11 in x, from the constant on, by Estrin's scheme: its longest chain of operations that wait for
-/// each other is a third of Horner's (G. Estrin, Western Joint Computer Conference, 1960).
+/// A polynomial of degree 11 in x, with coefficients in ascending order, by Estrin's scheme: its dependency chain is a third of
+/// Horner's (G. Estrin, Western Joint Computer Conference, 1960).
 #[inline(always)]
 fn polynomial(x: Lanes, square: Lanes, c: [f64; 12]) -> Lanes {
     let fourth = square * square;

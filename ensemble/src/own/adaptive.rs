@@ -1,6 +1,6 @@
-//! Tests with equations of their own by adaptive integration in lanes: all pushes of a chunk, then all holds, then what is asked
-//! of them. Their holds go one way, or turn round once on the way from the peak ([`crate::own::turns`]): what does not is left to a
-//! way that looks for all places where a record turns.
+//! Adaptive integration of tests with specialised equations, in lanes: all pushes of a chunk, then all holds, then their outcomes. Holds
+//! are monotone, or turn once on the way from the peak ([`crate::own::turns`]). Others are left to the general integrator, which finds
+//! all turns of a record.
 
 use crate::batch::Batch;
 use crate::ending::Ending;
@@ -20,7 +20,7 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Working memory of a chunk, kept from one to the next.
+/// Working memory, kept from one chunk to the next.
 pub struct Memory<const N: usize, T> {
     tests: Vec<T>,
     problems: Vec<Problem<N>>,
@@ -45,7 +45,7 @@ impl<const N: usize, T> Default for Memory<N, T> {
     }
 }
 
-/// How the push of a test has ended.
+/// The end of a push.
 #[derive(Clone, Copy)]
 struct PushEnd<const N: usize> {
     state: [f64; N],
@@ -53,7 +53,7 @@ struct PushEnd<const N: usize> {
     energy: [f64; 2],
 }
 
-/// Ends of steps through the hold, one of each test: time in the hold, s, and states.
+/// Ends of steps through the hold, one per lane: time since the push, s, and states.
 #[derive(Clone, Copy)]
 struct StepEnd<const N: usize> {
     time: Lanes,
@@ -64,7 +64,7 @@ impl<const N: usize> StepEnd<N> {
     const NONE: Self = Self { time: Lanes::ZERO, state: [Lanes::ZERO; N] };
 }
 
-/// Takes tests, in place of those that are there, to the ends of their pushes.
+/// Replaces the tests by those of `rows` and integrates their pushes.
 pub fn push<const N: usize, T: OwnTest<N>>(
     Batch { arch, scenarios, options }: Batch,
     rows: &[u32],
@@ -91,7 +91,7 @@ impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
     }
 }
 
-/// Runs tests whose numbers are checked.
+/// Solves tests whose numbers are checked.
 fn run<const N: usize, T: OwnTest<N>>(
     batch: Batch,
     memory: &mut Memory<N, T>,
@@ -119,7 +119,7 @@ fn run<const N: usize, T: OwnTest<N>>(
     order.clear();
     order.extend(0..rows.len());
     if options.fit {
-        // Records of about the same length side by side.
+        // Records of similar length in neighbouring lanes.
         order.sort_unstable_by_key(|&row| problems[row].steps.count());
     }
     for group in order.chunks(WIDTH) {
@@ -138,7 +138,7 @@ fn run<const N: usize, T: OwnTest<N>>(
             let falls_on = core::array::from_fn(|lane| tests[at(lane)].falls_on(&problems[at(lane)].state));
             turns::find::<N, T>(arch, &system, log, &steps, (sign, falls_on), [&state, &end_state])
         });
-        // Gas alone is on its way to the wall's temperature; with a wall of its own, a heat flow or flows it may stay warm.
+        // Gas without effects approaches the wall's temperature; with a warming wall, a heat flow or flows it may stay warm.
         let at_end = T::HAS_ANOTHER_WAY.then(|| turns::seen(arch, &system, &end_state));
         let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
@@ -218,7 +218,7 @@ fn add_knots<const N: usize>(knots: &mut Vec<StepEnd<N>>, lane: usize, log: &[At
     }
 }
 
-/// The records through the hold, a part for each step. The answer is a guess of τ.
+/// Lays out the records of the holds, one part per step; returns a guess of τ.
 struct Record<'a, const N: usize, H> {
     system: &'a H,
     knots: &'a [StepEnd<N>],
@@ -237,9 +237,9 @@ impl<const N: usize, H: Holding<N>> WithSimd for Record<'_, N, H> {
         records.begin_at(begin);
         let mut from = knots[0];
         for to in &knots[1..] {
-            // Results pass through memory: else the compiler computes them lane by lane.
+            // Passes through memory: otherwise the compiler computes lane by lane.
             let to = black_box(to);
-            // A lane without further steps stays where it is.
+            // A lane without further steps stays in place.
             let time = black_box(to.time.where_positive(to.time, from.time));
             let state: [Lanes; N] =
                 black_box(core::array::from_fn(|i| to.time.where_positive(to.state[i], from.state[i])));

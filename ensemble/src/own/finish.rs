@@ -1,4 +1,4 @@
-//! When tests settle, one a lane.
+//! Settling times of tests, one per lane.
 
 use crate::instructions::Wide;
 use crate::integrator::log::Attempted;
@@ -11,8 +11,8 @@ use crate::own::turns::Turns;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Time from the start of the hold until the reading, which goes from `begin` to `end`, stays within 1 % of that distance of its
-/// end, s. `system` holds the tests' constants, `log` their steps at the places `steps`; `turns` are where it turns round.
+/// Time from the start of the hold until the reading, which changes from `begin` to `end`, stays within 1 % of that change of its end,
+/// s. `log` contains the tests' steps at the indices `steps`.
 pub fn settling<const N: usize, H: Holding<N>>(
     arch: Arch,
     system: &H,
@@ -22,7 +22,7 @@ pub fn settling<const N: usize, H: Holding<N>>(
     [begin, end]: [Lanes; 2],
 ) -> Lanes {
     let band = (begin - end).abs() * SETTLED;
-    // The last accepted step that begins outside the band, or turns round there, leads into it.
+    // The last accepted step that begins outside the band, or turns there, leads into it.
     let (mut time, mut length, mut low) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
     let mut ends = [[Lanes::ONE; N]; 2];
     for lane in 0..WIDTH {
@@ -45,8 +45,7 @@ pub fn settling<const N: usize, H: Holding<N>>(
     time + length * arch.dispatch(Wide(Entry { system, length, ends, low, end, band }))
 }
 
-/// Share of a step, after `low`, at which the reading comes within a band around its end. `ends` are the states at the step's
-/// start and at its end.
+/// Place in a step, after `low`, at which the reading enters a band around its end. `ends` are the states at the step's start and end.
 struct Entry<'a, const N: usize, H> {
     system: &'a H,
     length: Lanes,

@@ -1,4 +1,4 @@
-//! The gas of a test without effects, reduced to the numbers that its equation needs, and the clock of its push.
+//! The gas of a test without effects and the clock of its push.
 
 use crate::ending::AfterPush;
 use crate::integrator::clock::Clock;
@@ -32,7 +32,7 @@ impl SealedTest {
         self.closed.mass_gas_constant / self.closed.expansion
     }
 
-    /// How a push of it has ended at a temperature, K, with what the gas has received and its work, over m cv, K.
+    /// The end of its push at a temperature, K, given the heat received and the work done over m cv, K.
     pub fn after_push(&self, row: u32, s: &Scenario, pushed: f64, energy: [f64; 2]) -> AfterPush {
         let capacity = self.capacity();
         let [received, work] = energy.map(|energy| capacity * energy);

@@ -1,11 +1,11 @@
-//! The paper's model with the port closed and a heat flow beside that follows the pressure, in lanes: the missing term of
-//! [`empirical`](chamber::effects::empirical), read off a record, where it is one. With the clock of [`crate::own::sealed`],
+//! The paper's model with the port closed and an additional heat flow that is a function of the pressure, in lanes: an
+//! [`empirical`](chamber::effects::empirical) curve of that kind. With the clock of [`crate::own::sealed`],
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w) + y(P) p w³/(m cv),  q = c p (a1 w⁴ + a0) w (Tw − T),  P = m R T/w⁴
 //! y(P) = y0 + Σ b max(P − P_k, 0)
 //!
-//! with corners at the P_k, up to which steps go ([`crate::integrator::corner`]). While the piston rests T' is a function of T alone, so that T
-//! goes one way, and between two corners that function is a quadratic one. The state is √T; y in W, T in K.
+//! with corners at the P_k, at which steps end ([`crate::integrator::corner`]). While the piston rests T' is a function of T alone, so
+//! that T is monotone; between two corners that function is quadratic. The state is √T; y in W, T in K.
 
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
@@ -20,15 +20,15 @@ use chamber::effects::{EffectSet, Empirical};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// The effect on the gas, of those that there are, that such tests have.
+/// The only effect on the gas that such tests have.
 pub const EFFECTS: EffectSet = Empirical::SET;
 
-/// y, where a scenario has such a term.
+/// y, if a scenario has such a term.
 fn heat_flow(scenario: &Scenario) -> Option<Hinges> {
     Hinges::of(scenario.chamber.effects.of(Empirical::PLACE))
 }
 
-/// Whether the missing term is a heat flow over the pressure.
+/// Whether the empirical curve is a heat flow as a function of pressure.
 pub fn is_heated(scenario: &Scenario) -> bool {
     heat_flow(scenario).is_some()
 }
@@ -70,12 +70,12 @@ impl OwnTest<1> for HeatedTest {
     }
 }
 
-/// The heat flow as it warms the gas.
+/// The warming of the gas by the heat flow.
 #[derive(Clone)]
 struct Source {
     /// y/(m cv), K/s, times p while the piston moves.
     warming: Hinges<Lanes>,
-    /// P/T over 1/V, J/K; while the piston rests P/T, Pa/K.
+    /// P V/T, J/K; while the piston rests P/T, Pa/K.
     per_temperature: Lanes,
 }
 
@@ -86,7 +86,7 @@ impl Default for Source {
 }
 
 impl Source {
-    /// Puts that of a test into a lane, times `factor`.
+    /// Loads a test into a lane, multiplied by `factor`.
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &HeatedTest, factor: f64, per_temperature: f64) {
         let (to, from, factor) = (&mut self.warming, &test.heat_flow, test.per_capacity * factor);
@@ -98,7 +98,7 @@ impl Source {
         self.per_temperature[lane] = per_temperature;
     }
 
-    /// By how much it warms the gas at a pressure, Pa.
+    /// Warming at a pressure, Pa.
     #[inline(always)]
     fn at(&self, pressure: Lanes) -> Lanes {
         let Hinges { first, knots, bends } = &self.warming;
@@ -109,7 +109,7 @@ impl Source {
         sum
     }
 
-    /// The same around a pressure as a line over the temperature while the piston rests: its level and its steepness.
+    /// The warming around a temperature as a linear function of temperature, while the piston rests: intercept and slope.
     #[inline(always)]
     fn line(&self, temperature: Lanes) -> [Lanes; 2] {
         let Hinges { first, knots, bends } = &self.warming;
@@ -124,7 +124,7 @@ impl Source {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
     gas: sealed::Moving,
@@ -152,7 +152,7 @@ impl LaneSystem<1> for Moving {
         let source = self.source.at(pressure) * (square * root) * (per_state * per_state);
         let heat = self.gas.exchange_at([root, square]) * (self.gas.wall - temperature) + source;
         let work = self.gas.expansion_rate * per_root;
-        // P goes as T/w⁴.
+        // P is proportional to T/w⁴.
         let rise = pressure * (heat - work - self.gas.clock.root_rate * per_root * 4.0);
         let view = View { value: [pressure, temperature], slope: [rise, Lanes::ZERO] };
         let power = [temperature * heat, temperature * work];
@@ -175,7 +175,7 @@ impl LaneSystem<1> for Moving {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one per lane, while their pistons rest.
 #[derive(Clone, Default)]
 pub struct Held {
     gas: sealed::Held,
@@ -183,7 +183,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// Taylor coefficients of T in a state, where the heat flow is a line over T.
+    /// Taylor coefficients of T in a state, with a heat flow linear in T.
     #[inline(always)]
     fn series_along(&self, [level, steepness]: [Lanes; 2], state: Lanes, length: Lanes) -> [Lanes; 4] {
         let (temperature, exchange) = (state * state, self.gas.exchange * length);
@@ -237,7 +237,7 @@ impl Holding<1> for Held {
         self.series_along(self.source.line(state * state), state, length)
     }
 
-    /// By the line that the heat flow is in the middle.
+    /// With the heat flow linearised in the middle of the step.
     #[inline(always)]
     fn within(&self, [begin, end]: [&[Lanes; 1]; 2], length: Lanes) -> Hermite {
         let middle = (begin[0] + end[0]) * 0.5;

@@ -1,15 +1,15 @@
-//! Lists of rows, each with the way in which its rows are solved.
+//! Lists of rows, each with its method of solution.
 
 use crate::batch::Batch;
 use crate::outcome::Outcome;
 
-/// A way of solving the rows of a list, with working memory that is kept from one chunk to the next.
+/// A method of solution for the rows of a list, with working memory that is kept from one chunk to the next.
 pub trait Way {
-    /// Solves rows whose numbers are checked. Some may be left, to be solved in another way.
+    /// Solves rows whose numbers are checked. Those that it cannot solve are added to `left`.
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]);
 }
 
-/// A chunk's rows of one kind, and the way in which they are solved.
+/// A chunk's rows of one kind, and their method of solution.
 #[derive(Default)]
 pub struct List<W: ?Sized> {
     pub rows: Vec<u32>,
@@ -18,7 +18,7 @@ pub struct List<W: ?Sized> {
 }
 
 impl<W: Way + ?Sized> List<W> {
-    /// Solves what is in the list. Answers which rows it has left.
+    /// Solves the rows of the list and empties it. Returns those that are left unsolved.
     pub fn solve(&mut self, batch: Batch, out: &mut [Outcome]) -> std::vec::Drain<'_, u32> {
         let Self { rows, left, way } = self;
         if !rows.is_empty() {

@@ -1,6 +1,5 @@
-//! Rows with equations of their own, fewer and shorter than those of any chamber: with one effect on the gas or none, and a record
-//! that shows the gas. Rows of each kind stand in a list beside what solves them ([`Own`]); those that it cannot solve after all are
-//! left to the integrator of any chamber.
+//! Rows with specialised equations, which are fewer and shorter than the general ones: at most one effect on the gas, and no sensor
+//! effects. [`Own`] has one list for each kind; rows that turn out not to be solvable this way are left to the general integrator.
 
 mod adaptive;
 mod convective;
@@ -21,29 +20,29 @@ use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
 use list::{List, Way};
 
-/// A chunk's rows with equations of their own, a list for each kind.
+/// A chunk's rows with specialised equations, one list for each kind.
 #[derive(Default)]
 pub struct Own {
-    /// The paper's model, where the integrator is asked for.
+    /// The paper's model, if the integrator is requested.
     sealed: List<adaptive::Memory<1, gas::SealedTest>>,
     /// The same with a wall that warms.
     walled: List<adaptive::Memory<2, walled::WalledTest>>,
-    /// The same with turbulence that decays.
+    /// The same with decaying turbulence.
     stirred: List<adaptive::Memory<2, stirred::StirredTest>>,
-    /// The same with a heat flow over the pressure.
+    /// The same with a heat flow as a function of pressure.
     heated: List<adaptive::Memory<1, heated::HeatedTest>>,
-    /// The same with natural convection: holds as integrals or series, and where the integrator is asked for.
+    /// The same with natural convection: with holds as integrals or series, and if the integrator is requested.
     convective: List<convective::rows::Memory>,
     integrated: List<adaptive::Memory<2, convective::ConvectiveTest>>,
-    /// Gas leaves or enters through an orifice, or through a gap or at constant rates.
+    /// Gas leaves or enters through an orifice; through a gap or at constant rates.
     orifices: List<adaptive::Memory<2, FlowTest<Orifice>>>,
     gaps: List<adaptive::Memory<2, FlowTest<Gap>>>,
-    /// The wall remembers.
+    /// The same with a conducting wall.
     remembering: List<remembering::Memory>,
 }
 
 impl Own {
-    /// The rows of the list for such a row, if there is one.
+    /// The list for a row, if there is one.
     #[inline]
     pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let &Features { scenario: s, of_gas, is_sealed, integrates, is_wide, .. } = row;
@@ -66,7 +65,7 @@ impl Own {
         })
     }
 
-    /// The lists, in the order in which they are solved.
+    /// The lists in the order of solution.
     pub fn lists(&mut self) -> [&mut List<dyn Way>; 9] {
         [
             &mut self.sealed, &mut self.walled, &mut self.stirred, &mut self.heated, &mut self.convective,

@@ -1,5 +1,5 @@
-//! The paper's model with the port closed and without effects, in lanes: the mass is constant, so temperature is the
-//! only state, and equations (2), (3), (5) and (27) in it read
+//! The paper's model with the port closed and without effects, in lanes: the mass is constant, so that temperature is the only state,
+//! and equations (2), (3), (5) and (27) read
 //!
 //! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
 //!
@@ -7,9 +7,8 @@
 //!
 //! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
 //!
-//! takes one division an evaluation and no root. While the piston rests, V and all that follows from it alone is
-//! constant. The state is √T: in it the integrals of heat and work over a step are others than that of the state. T in K, V
-//! in m³, energies over m cv.
+//! needs one division per evaluation and no root. While the piston rests, V and all functions of it are constant. The state is √T, so
+//! that the integrals of heat and work over a step are independent of the integral of the state. T in K, V in m³, energies over m cv.
 
 use crate::integrator::clock::Clock;
 use crate::integrator::step::{LaneSystem, Moment, View};
@@ -50,7 +49,7 @@ impl OwnTest<1> for SealedTest {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
     /// Their clocks.
@@ -70,7 +69,7 @@ impl Moving {
         (self.exchange[0] * (square * square) + self.exchange[1]) * root
     }
 
-    /// Heat and work over m cv T, per unit of the clock, at w and w², where the wall is so much warmer than the gas.
+    /// Heat and work over m cv T, per unit of the clock, at w and w²; `warmer` is the wall's temperature less that of the gas, K.
     #[inline(always)]
     pub fn heat_and_work(&self, at: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
         [self.exchange_at(at) * warmer, self.expansion_rate / at[0]]
@@ -100,7 +99,7 @@ impl LaneSystem<1> for Moving {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one per lane, while their pistons rest.
 #[derive(Clone, Default)]
 pub struct Held {
     /// c Aq/√V, 1/(K s).
@@ -110,7 +109,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// A guess of the paper's exponential near to a hold that begins at a temperature, K, and a time of the test, s.
+    /// A guess of the paper's exponential for a hold that begins at a temperature, K, and a time of the test, s.
     #[inline(always)]
     pub fn guess_from(&self, peak: Lanes, from: Lanes) -> Guess {
         Guess::Relaxation { rate: self.exchange * self.wall, excess: Lanes::ONE - self.wall / peak, from }

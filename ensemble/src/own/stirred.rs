@@ -1,10 +1,10 @@
-//! The paper's model with the port closed and turbulence that decays, in lanes: beside the temperature of the gas, as in
-//! [`crate::own::sealed`], the factor f = 1 + k u of the heat transfer coefficient is a state. With the same clock,
+//! The paper's model with the port closed and decaying turbulence, in lanes: beside the gas temperature, as in [`crate::own::sealed`],
+//! the factor f = 1 + k u of the heat transfer coefficient is a state. With the same clock,
 //!
 //! dT/ds = T (f q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  df/ds = (1 + k |ẋ| − f) p w³/τ
 //!
-//! While the piston rests dT/dt = c Aq/√V f T (Tw − T) and df/dt = (1 − f)/τ, so that T goes one way: f is never below one. u in
-//! m/s, k in s/m, τ in s, T in K.
+//! While the piston rests dT/dt = c Aq/√V f T (Tw − T) and df/dt = (1 − f)/τ, so that T is monotone, as f is never below one. u in m/s,
+//! k in s/m, τ in s, T in K.
 
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
@@ -16,7 +16,7 @@ use crate::scenario::Scenario;
 use chamber::effects::{self, DecayingTurbulence, EffectSet};
 use chamber::real::Real;
 
-/// The effect on the gas, of those that there are, that such tests have.
+/// The only effect on the gas that such tests have.
 pub const EFFECTS: EffectSet = DecayingTurbulence::SET;
 
 /// k, s/m, and τ, s.
@@ -34,7 +34,7 @@ pub fn is_stirred(scenario: &Scenario) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub struct StirredTest {
     gas: SealedTest,
-    /// 1 + k |ẋ|, towards which f goes while the piston moves.
+    /// 1 + k |ẋ|, the limit of f while the piston moves.
     steady: f64,
     /// 1/τ, 1/s.
     decay: f64,
@@ -62,7 +62,7 @@ impl OwnTest<2> for StirredTest {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
     gas: sealed::Moving,
@@ -94,7 +94,7 @@ impl LaneSystem<2> for Moving {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one per lane, while their pistons rest.
 #[derive(Clone, Default)]
 pub struct Held {
     gas: sealed::Held,
@@ -126,7 +126,7 @@ impl Holding<2> for Held {
         self.gas.guess_from(states[0] * states[0], begin)
     }
 
-    /// With g = c Aq/√V T (Tw − T) the products of the series of f and g.
+    /// By the product of the series of f and g = c Aq/√V T (Tw − T).
     #[inline(always)]
     fn series(&self, &[state, factor]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
         let (temperature, exchange) = (state * state, self.gas.exchange * length);

@@ -1,8 +1,8 @@
-//! Where the reading of a hold turns round on its way from the peak, at most once: as gas enters, it falls while the gas cools and
-//! then rises; after an expansion it rises and then falls as gas leaves. Peaks so stand at the ends of the hold.
+//! The turn of a hold whose reading turns at most once on the way from the peak: if gas enters, it falls while the gas cools and then
+//! rises; after an expansion it rises and then falls as gas leaves. Peaks are then at the ends of the hold.
 //!
-//! A hold is taken to be such a one by the slopes at its ends and by the ends of its steps; whether it turns more often between
-//! two of these is not asked.
+//! Whether a hold is of this kind is judged by the slopes at its ends and by the ends of its steps; further turns between two of these
+//! are not detected.
 
 use crate::instructions::Wide;
 use crate::integrator::log::Attempted;
@@ -15,28 +15,28 @@ use crate::own::test::{Holding, OwnTest, Within};
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Share of a reading by which it may go back and forth: that of the integration's errors.
+/// Relative oscillation of a reading that is attributed to integration errors.
 const TREMBLES: f64 = 1e-9;
-/// Share by which the temperature at the end has to be away from that at the start, to be no peak beside it.
+/// Smallest relative difference between the temperatures at start and end; with a smaller one the end may be a second peak.
 const APART: f64 = 1e-3;
-/// Of a hold that does not turn.
+/// Step index of a hold that does not turn.
 const NOWHERE: usize = usize::MAX;
 
-/// Turns of holds, one a lane.
+/// Turns of holds, one per lane.
 pub struct Turns {
-    /// Number of the step in which it is.
+    /// Index of the step with the turn.
     step: [usize; WIDTH],
-    /// Share of that step, and the reading there.
+    /// Place in that step, and the reading there.
     share: Lanes,
     value: Lanes,
-    /// Whether the hold is of the kind that is told here.
+    /// Whether the hold is of the kind treated here.
     pub told: [bool; WIDTH],
-    /// Gas that flows in at the end of the hold, less what flows out, over the gas there, 1/s.
+    /// Net inflow at the end of the hold, relative to the gas in the chamber, 1/s.
     pub inflow: Lanes,
 }
 
 impl Turns {
-    /// The share of a step at which a lane's reading turns round beyond a band around a value.
+    /// Place in a step at which a lane's reading turns outside a band around a value.
     #[inline]
     pub fn beyond(&self, lane: usize, step: usize, value: f64, band: f64) -> Option<f64> {
         let turns = self.step[lane] == step && (self.value[lane] - value).abs() > band;
@@ -44,8 +44,8 @@ impl Turns {
     }
 }
 
-/// Where holds turn, from states at their begins to others at their ends. `sign` is 1 where peaks are tops, −1 where they are
-/// bottoms; `log` has the tests' steps at the places `steps`. Those that fall on ([`OwnTest::falls_on`]) are not looked into.
+/// Finds the turns of holds, given the states at both ends. `sign` is 1 if peaks are maxima, −1 if they are minima; `log` contains the
+/// tests' steps at the indices `steps`. Those that keep falling ([`OwnTest::falls_on`]) are not searched.
 pub fn find<const N: usize, T: OwnTest<N>>(
     arch: Arch,
     system: &T::Held,
@@ -59,9 +59,9 @@ pub fn find<const N: usize, T: OwnTest<N>>(
     let [at_begin, at_end] = [at_begin.slope, at_end.slope];
     let of_lane = |state: &[Lanes; N], lane: usize| -> [f64; N] { core::array::from_fn(|i| state[i][lane]) };
     let (mut step, mut told) = ([NOWHERE; WIDTH], [true; WIDTH]);
-    // The states where the reading is farthest from its peak.
+    // States at which the reading is farthest from its peak.
     let mut farthest = *begin;
-    // Lanes whose turn is in the step before or behind that.
+    // Lanes whose turn is in the step before or after that.
     let mut between = [None; WIDTH];
     for lane in 0..WIDTH {
         let (sign, Steps { from, to, lane: column }) = (sign[lane], steps[lane]);
@@ -123,12 +123,12 @@ pub fn find<const N: usize, T: OwnTest<N>>(
     turns
 }
 
-/// What holds show in states, one a lane.
+/// Views of holds in states, one per lane.
 pub fn seen<const N: usize, H: Holding<N>>(arch: Arch, system: &H, state: &[Lanes; N]) -> View<Lanes> {
     arch.dispatch(Wide(Seen { system, state }))
 }
 
-/// What is seen in some states.
+/// Computes the views.
 struct Seen<'a, const N: usize, H> {
     system: &'a H,
     state: &'a [Lanes; N],
@@ -143,7 +143,7 @@ impl<const N: usize, H: Holding<N>> WithSimd for Seen<'_, N, H> {
     }
 }
 
-/// The share of a step of that length between two states at which the reading turns, and the reading there.
+/// Finds the place in a step between two states at which the reading turns, and the reading there.
 struct FindTurn<'a, const N: usize, H> {
     system: &'a H,
     length: Lanes,
@@ -151,7 +151,7 @@ struct FindTurn<'a, const N: usize, H> {
     sign: Lanes,
 }
 
-/// How fast the reading goes away from its peak.
+/// Rate at which the reading moves away from its peak.
 struct Leaving {
     within: Hermite,
     sign: Lanes,

@@ -1,16 +1,16 @@
-//! The paper's model with the port closed and a wall that the gas warms and the surroundings cool, in lanes: beside the
-//! temperature of the gas, as in [`crate::own::sealed`], that of the wall is a state. With the same clock,
+//! The paper's model with the port closed and a wall that the gas warms and the surroundings cool, in lanes: beside the gas temperature,
+//! as in [`crate::own::sealed`], the wall temperature is a state. With the same clock,
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  dTw/ds = −r T q + g p w³ (Tamb − Tw)
 //! r = m cv/C_w,  g = G/C_w
 //!
 //! C_w  J/K  capacity of the wall that takes part; G  W/K  conductance from wall to surroundings. T in K, g in 1/s.
 //!
-//! While the piston rests the equations are dT/dt = k T (Tw − T) and dTw/dt = −r dT/dt + g (Tamb − Tw), k = c Aq/√V: steps go by
-//! their Taylor series ([`crate::integrator::expansion`]), of which each coefficient takes one product of series.
+//! While the piston rests the equations are dT/dt = k T (Tw − T) and dTw/dt = −r dT/dt + g (Tamb − Tw), k = c Aq/√V: steps use their
+//! Taylor series ([`crate::integrator::expansion`]), each coefficient of which takes one product of series.
 //!
-//! While the piston rests T goes one way if, when it comes to rest, (T − Tw) (Tw − Tamb) is not negative: where T first met
-//! Tw, the wall would have to be on the other side of Tamb, from which neither the gas nor the surroundings push it there.
+//! While the piston rests T is monotone if (T − Tw) (Tw − Tamb) is not negative initially: to let T meet Tw, the wall would have to be
+//! on the other side of Tamb, where neither the gas nor the surroundings drive it.
 
 use crate::integrator::expansion::Expansion;
 use crate::integrator::step::{LaneSystem, Moment, View};
@@ -24,7 +24,7 @@ use chamber::effects::{self, EffectSet, WallHeating};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// The effect on the gas, of those that there are, that such tests have.
+/// The only effect on the gas that such tests have.
 pub const EFFECTS: EffectSet = WallHeating::SET;
 
 /// One test.
@@ -35,7 +35,7 @@ pub struct WalledTest {
     share: f64,
     /// g, 1/s.
     cooling: f64,
-    /// How fast small differences of temperature vanish, about, 1/s.
+    /// Approximate decay rate of small temperature differences, 1/s.
     pace: f64,
 }
 
@@ -45,7 +45,7 @@ fn wall(scenario: &Scenario) -> [f64; 2] {
     [parameters[0], parameters[1]]
 }
 
-/// Whether there is a wall that warms.
+/// Whether the wall can warm.
 pub fn has_wall(scenario: &Scenario) -> bool {
     wall(scenario)[0] > 0.0
 }
@@ -79,14 +79,14 @@ impl OwnTest<2> for WalledTest {
         over_wall * over_ambient >= 0.0 && (over_wall != 0.0 || over_ambient == 0.0)
     }
 
-    /// T itself: its series takes one product of series, that of √T two.
+    /// T itself, as its series takes one product of series and that of √T two.
     #[inline]
     fn at_rest(&self, [root, wall]: [f64; 2]) -> [f64; 2] {
         [root * root, wall]
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
     /// With the surroundings' temperature in the place of the wall's.
@@ -118,20 +118,20 @@ impl LaneSystem<2> for Moving {
     }
 }
 
-/// Tests, one a lane, while their pistons rest. The states are T and Tw.
+/// Tests, one per lane, while their pistons rest. The states are T and Tw.
 #[derive(Clone, Default)]
 pub struct Held {
     /// With the surroundings' temperature in the place of the wall's.
     gas: sealed::Held,
     share: Lanes,
     cooling: Lanes,
-    /// How fast small differences of temperature vanish, about, 1/s, and one over that.
+    /// Approximate decay rate of small temperature differences, 1/s, and its reciprocal.
     pace: Lanes,
     unit: Lanes,
 }
 
-/// Applies a macro to the powers from 1 on, each with those between it and 0, the middle ones first: what has just been found is
-/// waited for last.
+/// Applies a macro to the powers from 1 on, each with those between it and 0, the middle ones first, so that the latest results are
+/// needed last.
 macro_rules! each_power {
     ($apply:ident) => {
         $apply! {
@@ -142,17 +142,17 @@ macro_rules! each_power {
 }
 
 impl Held {
-    /// Taylor coefficients of T and Tw in powers of the time over `unit`, s: each follows from those of lower powers,
+    /// Taylor coefficients of T and Tw in powers of the time over `unit`, s. Each follows from those of lower powers,
     ///
     /// (j + 1) T_(j+1) = k u Σ T_i D_(j−i),  (j + 1) Tw_(j+1) = −r (j + 1) T_(j+1) − g u (Tw − Tamb)_j,  D = Tw − T
     ///
-    /// In the sum that with i = j and that with i = 0 meet in T_j (D_0 − (1 + r) T_0), so that little waits for T_j.
-    // The last difference leads to no further term.
+    /// The terms with i = j and i = 0 of the sum combine to T_j (D_0 − (1 + r) T_0), so that little depends on T_j.
+    // The last difference is not used.
     #[allow(unused_assignments)]
     #[inline(always)]
     fn terms<const M: usize>(&self, &[temperature, wall]: &[Lanes; 2], unit: Lanes) -> [[Lanes; M]; 2] {
         let (exchange, cooling) = (self.gas.exchange * unit, self.cooling * unit);
-        // Of T, of Tw and of Tw − T.
+        // Coefficients of T, of Tw and of Tw − T.
         let [mut gas, mut warm, mut warmer] = [[Lanes::ZERO; M]; 3];
         (gas[0], warm[0], warmer[0]) = (temperature, wall, wall - temperature);
         let both = self.share + 1.0;
@@ -204,8 +204,7 @@ impl LaneSystem<2> for Held {
 
     #[inline(always)]
     fn expansion(&self, states: &[Lanes; 2]) -> Expansion<2> {
-        // The states are read anew, and the result passes through memory: else the compiler shares parts of both and computes lanes
-        // in odd groups.
+        // States and result pass through memory: otherwise the compiler shares subexpressions and computes lanes in odd groups.
         let [temperature, wall] = black_box(states);
         let decay = self.gas.exchange * ((self.share + 2.0) * *temperature - *wall) + self.cooling;
         let decay = black_box(decay * self.unit);

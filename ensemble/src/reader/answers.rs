@@ -1,4 +1,4 @@
-//! What is asked of the records of traced rows: peaks and settling.
+//! Peaks, final values and settling times of the records of traced rows.
 
 use super::curves::Prompt;
 use super::interpolant::Knot;
@@ -10,29 +10,29 @@ use crate::regression::samples::POINTS;
 use chamber::real::Real;
 use pulp::Arch;
 
-/// The answers about one row. Pressures of the record, temperatures of the gas.
+/// What is read from one row. Pressures are readings, temperatures those of the gas.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RowAnswer {
-    /// Peak from the end of the push on, Pa.
+    /// Peak pressure from the end of the push on, Pa.
     pub pressure_peak: f64,
-    /// When it stands, s of the record.
+    /// Time of the record at which it occurs, s.
     pub peak_time: f64,
     /// Reading at the end of the test, Pa.
     pub pressure_final: f64,
-    /// Peak from the end of the push on, K.
+    /// Peak temperature from the end of the push on, K.
     pub temperature_peak: f64,
     /// Temperature of the gas at the end of the test, K.
     pub temperature_final: f64,
-    /// From the end of the push until within 1 % for good, s.
+    /// Time from the end of the push until within 1 % for good, s.
     pub settling: f64,
-    /// Gas that flows in at the end of the test, less what flows out, over the gas there, 1/s.
+    /// Net inflow of gas at the end of the test, relative to the gas in the chamber, 1/s.
     pub inflow: f64,
-    /// Rate of the gas's pressure at the end of the test, over the pressure, 1/s.
+    /// Relative rate of the gas pressure at the end of the test, 1/s.
     pub pressure_rate: f64,
 }
 
 impl Traces<'_> {
-    /// The answers about each row; none about those without a record.
+    /// What is read from each row; none for rows without a record.
     pub fn answers(&mut self, arch: Arch) -> Vec<Option<RowAnswer>> {
         self.cut();
         self.follow_lags(arch);
@@ -45,7 +45,7 @@ impl Traces<'_> {
         answers
     }
 
-    /// Where the records turn round.
+    /// Finds the turns of the records.
     fn find_turns(&mut self, arch: Arch) {
         let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();
@@ -63,7 +63,7 @@ impl Traces<'_> {
         std::mem::swap(turns, jobs);
     }
 
-    /// All but temperatures and the settling time; where that has to be found inside a piece, it becomes a job.
+    /// Everything except temperatures and the settling time, for which a job is added if it lies inside a piece.
     fn answer(&mut self, row: usize) -> Option<RowAnswer> {
         let Memory { pieces, cut, turns, .. } = &*self.memory;
         let Cut { all, shown, turns: of_row, .. } = &cut[row];
@@ -72,7 +72,7 @@ impl Traces<'_> {
         }
         let (Trace { plan, bends, sensor, .. }, turns) = (&self.rows[row], &turns[of_row.clone()]);
         let sign = self.rows[row].sign();
-        // The extreme is where the record begins, or ends a piece, or turns round.
+        // The peak is at the start of the record, at the end of a piece or at a turn.
         let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
         if plan.push_end < plan.delay {
             let [begin, end] = [plan.push_end, plan.delay.min(plan.duration)].map(|time| self.before(row, time));
@@ -104,7 +104,7 @@ impl Traces<'_> {
         let pressure_peak = sign * pressure.max(sign * pressure_final);
         let band = SETTLED * (pressure_peak - pressure_final).abs();
         let band = band.max(ROUNDING * pressure_final.abs());
-        // Back from the end to where the record was outside the last time, and the next such place after it.
+        // Backwards from the end to the last corner outside the band, and the next corner after it.
         let outside = |value: f64| (value - pressure_final).abs() > band;
         let mut turns = turns.iter().rev().peekable();
         let entry = shown.clone().rev().find_map(|index| {
@@ -124,9 +124,9 @@ impl Traces<'_> {
         Some(RowAnswer { pressure_peak, peak_time, pressure_final, temperature_peak, ..RowAnswer::default() })
     }
 
-    /// Final and peak temperatures of the gas.
+    /// Finds final and peak temperatures of the gas.
     fn find_temperatures(&mut self, arch: Arch, answers: &mut [Option<RowAnswer>]) {
-        // Segments and intervals in which the temperature comes to a peak.
+        // Segments and intervals in which the temperature has a peak.
         let mut turns: Vec<(u32, u32)> = Vec::new();
         let sign = |rows: &[Trace], row: u32| rows[row as usize].sign();
         for (index, segment) in self.memory.segments.iter().enumerate() {
@@ -173,7 +173,7 @@ impl Traces<'_> {
         }
     }
 
-    /// When the records come within 1 % of their ends for good: does the jobs of [`Traces::answer`].
+    /// Finds the settling times: answers the jobs of [`Traces::answer`].
     fn find_settling(&mut self, arch: Arch, answers: &mut [Option<RowAnswer>]) {
         self.work(arch, |[outside, later, value, band]| Question::Enter { between: [outside, later], value, band });
         for job in &self.memory.jobs {

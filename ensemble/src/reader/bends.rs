@@ -1,39 +1,39 @@
-//! What a sensor makes of its reading at last: a curve with bends, between which it is a straight line.
+//! The curve that a sensor finally applies to its reading: straight lines between bends.
 
 use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 
-/// What a sensor makes of its reading at last.
+/// The curve that a sensor finally applies to its reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Bends<'a> {
-    /// Effects that bend it.
+    /// The effects with such a curve.
     set: EffectSet,
     values: &'a EffectValues,
 }
 
 impl<'a> Bends<'a> {
-    /// By the active effects of a chamber.
+    /// The curve by the active effects of a chamber.
     pub fn new(active: EffectSet, values: &'a EffectValues) -> Self {
         let all = Self { set: active.intersection(effects::WITH_BENDS), values };
         let any = all.between(f64::MIN, f64::MAX).next().is_some();
         if any { all } else { Self { set: EffectSet::NONE, values } }
     }
 
-    /// Whether the record is the reading as it is.
+    /// Whether there is no curve: the record is the reading.
     pub fn is_none(&self) -> bool {
         self.set.is_empty()
     }
 
-    /// What the record shows of a reading, Pa.
+    /// What the record shows for a reading, Pa.
     pub fn shown(&self, reading: f64) -> f64 {
         self.values.reading(self.set, &[0.0; OWN_STATES], reading, 0.0)
     }
 
-    /// How much more it shows of a reading than of one that is less `by` so much, Pa.
+    /// Change of what is shown between a reading and one that is smaller by `by`, Pa.
     pub fn change(&self, reading: f64, by: f64) -> f64 {
         if self.is_none() { by } else { self.shown(reading) - self.shown(reading - by) }
     }
 
-    /// Readings on the way from one to another at which the record bends, Pa.
+    /// The bends between two readings, Pa, in order.
     pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<'a> {
         let Self { set, values } = *self;
         let next = move |from: f64| Some(values.bend(set, from, to)).filter(|reading| *reading != to);
@@ -41,7 +41,7 @@ impl<'a> Bends<'a> {
     }
 }
 
-/// What a record shows of the reading over a piece: `level` + `gain` × reading.
+/// The record as a function of the reading along a piece: `level` + `gain` × reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Straight {
     /// Pa.
@@ -50,10 +50,10 @@ pub struct Straight {
 }
 
 impl Straight {
-    /// The reading as it is.
+    /// The identity.
     pub const READING: Self = Self { level: 0.0, gain: 1.0 };
 
-    /// Through two readings and what is shown of them.
+    /// The line through two readings and what is shown for them.
     pub fn through(readings: [f64; 2], shown: [f64; 2]) -> Self {
         let way = readings[1] - readings[0];
         let gain = if way == 0.0 { 0.0 } else { (shown[1] - shown[0]) / way };

@@ -1,4 +1,4 @@
-//! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
+//! The records along pieces as curves, one per lane: of instantaneous sensors and of lagging ones.
 
 use super::interpolant::{Interpolant, Stencils};
 use super::traces::{Job, LaggedPiece, PRESSURE, Trace, Traces};
@@ -11,7 +11,7 @@ use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 impl Traces<'_> {
-    /// Readings of the sensors that lag, from piece to piece.
+    /// Computes the readings of lagging sensors, piece by piece.
     pub(super) fn follow_lags(&mut self, arch: Arch) {
         if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
             return;
@@ -61,7 +61,7 @@ impl Traces<'_> {
         self.memory.lags = lags;
     }
 
-    /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
+    /// Answers the jobs, one per lane; those of lagging sensors separately.
     pub(super) fn work(&mut self, arch: Arch, question: fn([Lanes; POINTS]) -> Question) {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
         let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
@@ -103,7 +103,7 @@ impl Traces<'_> {
     }
 }
 
-/// Works out the [`LaggedPiece`] of each lane.
+/// Computes the [`LaggedPiece`] of each lane.
 struct Follow<'a> {
     inside: Stencils,
     to_powers: &'a ToPowers,
@@ -125,12 +125,12 @@ impl WithSimd for Follow<'_> {
     }
 }
 
-/// A record that follows the gas at once; `I` are stencils, then interpolants.
+/// The record of an instantaneous sensor; `I` is stencils at first, then interpolants.
 pub(super) struct Prompt<I> {
     pub(super) inside: I,
-    /// How much it rises with the pressure.
+    /// Its derivative by the pressure.
     pub(super) gain: Lanes,
-    /// What it shows beside at the segment's start, Pa, and its rate, Pa/s.
+    /// Offset at the segment's start, Pa, and drift, Pa/s.
     pub(super) offset: Lanes,
     pub(super) drift: Lanes,
 }

@@ -1,5 +1,5 @@
-//! Records of sensors that make a bent curve of their reading: cut where the reading turns round and where it comes to a bend,
-//! so that over each piece the record is a straight line over the reading, and one-way.
+//! Cuts the records of sensors with a curve of their reading at the reading's turns and at the bends of the curve, so that along each
+//! piece the record is linear in the reading, and monotone.
 
 use super::bends::Straight;
 use super::traces::{Job, Memory, TracePiece, Traces};
@@ -7,23 +7,23 @@ use crate::look::Question;
 use crate::regression::samples::POINTS;
 use pulp::Arch;
 
-/// A place inside a piece at which it is cut.
+/// A place at which a piece is cut.
 #[derive(Clone, Copy, Debug)]
 struct CutPlace {
     piece: usize,
-    /// Time from the segment's start, s; not a number where it is being looked for.
+    /// Time from the segment's start, s; NaN until it is found.
     time: f64,
     reading: f64,
 }
 
 impl Traces<'_> {
-    /// Makes the records of the readings: cuts pieces of sensors that bend theirs.
+    /// Turns readings into records: cuts the pieces of sensors with a curve.
     pub(super) fn bend(&mut self, arch: Arch) {
         let bent: Vec<usize> = (0..self.rows.len()).filter(|&row| !self.rows[row].bends.is_none()).collect();
         if bent.is_empty() {
             return;
         }
-        // Where the readings turn round, also before what is shown: a sample may stand at its very start.
+        // The turns of the readings, also before the window: a sample may lie exactly at its start.
         let Memory { pieces, cut, jobs, .. } = &mut *self.memory;
         jobs.clear();
         for index in bent.iter().flat_map(|&row| cut[row].all.clone()) {
@@ -32,7 +32,7 @@ impl Traces<'_> {
             }
         }
         self.work(arch, |_| Question::Turn);
-        // From each such place to the next, the bends.
+        // The bends from each corner to the next.
         let turns = core::mem::take(&mut self.memory.jobs);
         let (mut turned, mut places) = (turns.iter().peekable(), Vec::new());
         for &row in &bent {
@@ -58,7 +58,7 @@ impl Traces<'_> {
         self.cut_at(&places);
     }
 
-    /// Cuts pieces at places in the order of the pieces and of their times, the end of each piece among them.
+    /// Cuts pieces at the given places, ordered by piece and time; the end of each piece is one of them.
     fn cut_at(&mut self, places: &[CutPlace]) {
         let pieces = core::mem::take(&mut self.memory.pieces);
         let mut places = places.iter().peekable();
@@ -76,7 +76,7 @@ impl Traces<'_> {
                     let time = place.time.max(rest.times[0]).min(rest.times[1]);
                     let readings = [rest.shown[0], place.reading];
                     let shown = readings.map(|reading| row.bends.shown(reading));
-                    // One way, or none.
+                    // Monotone, so that the record does not turn.
                     let slopes = [shown[1] - shown[0]; 2];
                     let straight = Straight::through(readings, shown);
                     out.push(TracePiece { times: [rest.times[0], time], shown, slopes, straight, ..rest });

@@ -1,8 +1,7 @@
-//! What is asked of the records of traced rows: peaks and settling ([`answers`]), and samples for the regression ([`regressions`]).
+//! Reads the records of traced rows: peaks and settling times ([`answers`]), and samples for the regression ([`regressions`]).
 //!
-//! A record is monotone between the knots of its trace and the places in between where it turns round; with those at
-//! hand, all else is a matter of comparing. Only intervals that turn, the one in which the record settles, and with the
-//! regression those that hold samples are looked into, as many at once as there are lanes.
+//! A record is monotone between the knots of its trace and the turns in between, so that the rest is comparison. Only intervals with a
+//! turn, the interval in which the record settles and, for the regression, those that contain samples are interpolated, one per lane.
 
 mod answers;
 mod bends;

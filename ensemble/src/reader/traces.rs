@@ -1,5 +1,5 @@
-//! Traces of rows: the knots of each of their segments, and the pieces that their records are cut into, between knots and where the
-//! sensor lags or bends its reading.
+//! Traces of rows: the knots of their segments, and the pieces of their records. Pieces reach from knot to knot and are cut further for
+//! sensors with a lag or a curve of the reading.
 
 use super::bends::{Bends, Straight};
 use super::interpolant::{Knot, Stencils};
@@ -9,7 +9,7 @@ use crate::regression::Records;
 use crate::regression::samples::POINTS;
 use std::ops::Range;
 
-/// Index of the pressure and of the temperature where both are shown.
+/// Indices of pressure and temperature in a view.
 pub const PRESSURE: usize = 0;
 pub const TEMPERATURE: usize = 1;
 
@@ -24,16 +24,16 @@ pub struct Trace<'a> {
 }
 
 impl Trace<'_> {
-    /// 1 where peaks are tops, −1 where they are bottoms: of an expansion.
+    /// 1 if peaks are maxima, −1 if they are minima: for an expansion.
     pub fn sign(&self) -> f64 {
         if self.plan.expands { -1.0 } else { 1.0 }
     }
 
-    /// Cuts a segment, by its number, stretch and knots, into pieces.
+    /// Cuts a segment, given by its index, stretch and knots, into pieces.
     pub fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<TracePiece>) {
         let Sensor { lag, drift, .. } = self.sensor;
         let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
-        // Time, what the record shows there and its slope, of a sensor that follows at once.
+        // Time, reading and its slope for an instantaneous sensor.
         let seen = |knot: &Knot| {
             let (time, pace) = stretch.clock.time_and_pace(knot.at);
             let shown = self.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
@@ -51,7 +51,7 @@ impl Trace<'_> {
                 slopes: [begin.2, end.2],
                 straight: Straight::READING,
             };
-            // What a lagging sensor shows is found out later: `follow_lags`.
+            // The readings of a lagging sensor follow later: `follow_lags`.
             while let Some(cut) = cuts.next_if(|cut| lag > 0.0 && *cut < end.0) {
                 if cut > piece.times[0] {
                     piece.times[1] = cut;
@@ -65,24 +65,24 @@ impl Trace<'_> {
     }
 }
 
-/// Traces of rows, with memory that is kept from one group of rows to the next.
+/// Working memory of traces, kept from one group of rows to the next.
 #[derive(Default)]
 pub struct Memory {
     pub knots: Vec<Knot>,
     pub segments: Vec<Segment>,
     pub pieces: Vec<TracePiece>,
-    /// By row.
+    /// The pieces of each row.
     pub cut: Vec<Cut>,
-    /// In the order of the pieces.
+    /// Answered queries for the turns of the records, in the order of the pieces.
     pub turns: Vec<Job>,
-    /// Of the pieces behind sensors that lag.
+    /// Of the pieces of lagging sensors.
     pub lags: Vec<LaggedPiece<f64>>,
     pub to_powers: ToPowers,
     pub jobs: Vec<Job>,
     pub records: Records,
 }
 
-/// A stretch of a row with its knots.
+/// A stretch of a row and its knots.
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub row: u32,
@@ -90,49 +90,49 @@ pub struct Segment {
     pub knots: Range<usize>,
 }
 
-/// A part of a record between two knots, or of such a part where the sensor lags or bends its reading.
+/// A piece of a record: between two knots, or a part of that.
 #[derive(Clone, Copy, Debug)]
 pub struct TracePiece {
     pub segment: u32,
-    /// The knot at which its interval begins, of its segment's.
+    /// Index, in its segment, of the knot at which its interval begins.
     pub knot: u32,
-    /// Its place among [`Memory::lags`], where the sensor lags.
+    /// Index in [`Memory::lags`], if the sensor lags.
     pub lag: u32,
-    /// Times of its ends from the segment's start, s.
+    /// Begin and end, in s from the segment's start.
     pub times: [f64; 2],
-    /// What the record shows at both ends, Pa, and its slopes there, Pa/s; up to [`Traces::bend`], the reading.
+    /// Record at both ends, Pa, and its slopes there, Pa/s; before [`Traces::bend`], the reading.
     pub shown: [f64; 2],
     pub slopes: [f64; 2],
     pub straight: Straight,
 }
 
-/// The pieces that a record is cut into.
+/// The pieces of a record.
 #[derive(Clone, Debug)]
 pub struct Cut {
     pub all: Range<usize>,
-    /// The reading at the start of the first, Pa.
+    /// Reading at the start of the first, Pa.
     pub begin: f64,
-    /// Those that it shows between the end of the push and the end of the test.
+    /// Those shown between the end of the push and the end of the test.
     pub shown: Range<usize>,
-    /// Where it turns round in these.
+    /// The turns in these.
     pub turns: Range<usize>,
 }
 
-/// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
+/// The effect of a piece on the reading of a lagging sensor: at its end the reading is `kept` times the initial one plus `fed`, Pa.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LaggedPiece<R> {
-    /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
+    /// Coefficients of the gas pressure, Pa, in powers of the place from 0 to 1.
     pub pressure: [R; TERMS],
-    /// Its start and its length, s.
+    /// Start and length, s.
     pub from: R,
     pub length: R,
     pub kept: R,
     pub fed: R,
-    /// The reading at its start, Pa, as far as that is known.
+    /// Reading at its start, Pa, once it is known.
     pub begin: R,
 }
 
-/// A question about a piece, or about the temperature in an interval.
+/// A query on a piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
     pub piece: usize,
@@ -146,31 +146,31 @@ impl Job {
     }
 }
 
-/// The first stretch of a row that is looked into.
+/// The first stretch of a row that is read.
 pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
 }
 
-/// Rows whose pressure is traced, with the knots of their traces.
+/// The traces of a group of rows.
 pub struct Traces<'a> {
     pub rows: Vec<Trace<'a>>,
     pub memory: &'a mut Memory,
 }
 
 impl<'a> Traces<'a> {
-    /// Begins without rows; what `memory` held is dropped.
+    /// No rows yet; clears `memory`.
     pub fn new(memory: &'a mut Memory) -> Self {
         memory.knots.clear();
         memory.segments.clear();
         Self { rows: Vec::new(), memory }
     }
 
-    /// Begins the trace of a row: its pressure before the test, Pa.
+    /// Begins the trace of a row; `before` is the pressure before the test, Pa.
     pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, bends: Bends<'a>, before: f64) {
         self.rows.push(Trace { plan, sensor, bends, before });
     }
 
-    /// Goes on with a stretch of that row, whose knots `fill` appends.
+    /// Adds a stretch of that row; `fill` appends its knots.
     pub fn stretch(&mut self, stretch: usize, fill: impl FnOnce(&mut Vec<Knot>)) {
         let knots = &mut self.memory.knots;
         let from = knots.len();
@@ -181,12 +181,12 @@ impl<'a> Traces<'a> {
         }
     }
 
-    /// Number of rows begun so far.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Number of knots of all rows together.
+    /// Number of knots of all rows.
     pub fn knots(&self) -> usize {
         self.memory.knots.len()
     }
@@ -225,7 +225,7 @@ impl<'a> Traces<'a> {
         self.memory.cut[row].all.clone()
     }
 
-    /// The reading of a row's sensor, Pa, at a time of the record, s, before the gas of the test arrives.
+    /// Reading of a row at a time of the record, s, at which it still shows the gas before the test, Pa.
     pub fn before(&self, row: usize, time: f64) -> f64 {
         self.rows[row].sensor.shown(self.rows[row].before, time)
     }
@@ -235,7 +235,7 @@ impl<'a> Traces<'a> {
         self.of_segment(segment).1.elapsed + time
     }
 
-    /// A quantity in one interval a lane: segments and knots.
+    /// Stencils of a quantity for one interval per lane, given by segment and knot.
     pub fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
         Stencils::new(quantity, |lane| {
             let (segment, knot) = interval(lane);

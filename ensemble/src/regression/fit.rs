@@ -1,4 +1,4 @@
-//! The paper's steps 2 to 7 on the pressures and the time constant that step 1 has found.
+//! The paper's steps 2 to 7 on the result of step 1.
 
 use crate::outcome::Fit;
 use crate::regression::Regression;
@@ -6,8 +6,7 @@ use crate::scenario::Scenario;
 use chamber::seven_steps::{self, Push, Setup};
 use chamber::{AreaLaw, Geometry};
 
-/// Steps 2 to 7 on the result of step 1, as published: Aq by (27) with all the gas's volume. None where pressures and
-/// strokes contradict each other.
+/// Steps 2 to 7 as published: Aq by (27) with the whole gas volume. None if pressures and strokes contradict each other.
 pub fn steps(scenario: &Scenario, regression: Regression) -> Option<Fit> {
     let Regression { final_pressure, rise, time_constant, misfit } = regression;
     let chamber = &scenario.chamber;

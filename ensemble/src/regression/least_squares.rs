@@ -1,6 +1,6 @@
-//! The least squares of P = Pf + ΔP e^(−t/τ), one record a lane. Pf and ΔP enter linearly and are eliminated (variable projection:
-//! G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413); what is left is Newton's method in ln τ, which from a good guess
-//! takes one step.
+//! The least-squares fit of P = Pf + ΔP e^(−t/τ), one record per lane. Pf and ΔP enter linearly and are eliminated (variable projection:
+//! G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413); what is left is Newton's method in ln τ, which takes one step
+//! from a good guess.
 
 use super::samples::{POINTS, SAMPLE_RATE_HZ};
 use super::time_constant;
@@ -10,19 +10,19 @@ use chamber::real::Real;
 use core::hint::black_box;
 
 const ITERATIONS: usize = 60;
-/// Change of ln τ after which the next one would be its square or less.
+/// Change of ln τ below which the next one would be at most its square.
 const CONVERGED: f64 = 2e-3;
-/// Least share of the Gauss–Newton curvature that Newton's must have to be believed.
+/// Newton's curvature is used if it is at least this fraction of the Gauss–Newton curvature.
 const CONVEX: f64 = 0.3;
-/// Farthest from the guess, in ln τ.
+/// Largest distance from the guess, in ln τ.
 const FARTHEST: f64 = 12.0;
-/// A node of less weight is none.
+/// Nodes of smaller weight do not count.
 const NO_WEIGHT: f64 = 1e-6;
-/// A record of fewer samples determines nothing.
+/// Fewest samples that determine the parameters.
 const FEWEST: f64 = 5.0;
 
-/// A node of all records: time after the first sample, pressure less the first one, how many samples it stands for, and e^(−t/τ)
-/// with the last τ.
+/// A node of all records: time after the first sample, pressure relative to the first one, number of samples it represents, and
+/// e^(−t/τ) for the last τ.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
     pub time: Lanes,
@@ -35,25 +35,25 @@ impl Node {
     pub const NONE: Self = Self { time: Lanes::ZERO, pressure: Lanes::ZERO, weight: Lanes::ZERO, decay: Lanes::ONE };
 }
 
-/// Where the search for τ begins.
-// Made once for as many records as there are lanes, and not kept.
+/// The initial guess of τ.
+// Made once per group of lanes and not stored.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Guess {
-    /// At this τ, s.
+    /// τ, s.
     TimeConstant(Lanes),
-    /// At that of a sealed relaxation, whose ε = 1 − Pf/P decays with this rate.
+    /// The τ of a sealed relaxation, whose ε = 1 − Pf/P decays exponentially.
     Relaxation {
         /// k, 1/s.
         rate: Lanes,
         /// ε at the time `from`.
         excess: Lanes,
-        /// From the start of the test on, s.
+        /// In s from the start of the test.
         from: Lanes,
     },
 }
 
-/// What the least squares of one record are.
+/// The fit to one record.
 #[derive(Clone, Copy, Debug)]
 pub struct Regression {
     /// Pf, Pa.
@@ -62,17 +62,17 @@ pub struct Regression {
     pub rise: f64,
     /// τ, s.
     pub time_constant: f64,
-    /// How far the record is from the exponential at most, as a share of its own rise.
+    /// Largest residual, relative to the record's own range.
     pub misfit: f64,
 }
 
-/// Pf and ΔP, Pa, and τ, s, by lane, NaN where the record determines none; and how far the record is from that
-/// exponential at most, as a share of its own rise.
+/// Pf and ΔP, Pa, and τ, s, by lane, NaN if the record does not determine them; and the largest residual, relative to the record's
+/// own range.
 #[derive(Clone, Copy, Debug)]
 pub struct Regressions([Lanes; 4]);
 
 impl Regressions {
-    /// The regression of one lane; `None` where its record determines none.
+    /// The fit of one lane; `None` if its record does not determine it.
     pub fn lane(&self, lane: usize) -> Option<Regression> {
         let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
         let found = [final_pressure, rise, time_constant].iter().all(|v| v.is_finite());
@@ -80,7 +80,7 @@ impl Regressions {
     }
 }
 
-/// Sums over a record's samples, with e = e^(−t/τ) and its derivatives by ln τ in parts: g = (t/τ) e, h = (t/τ) g.
+/// Sums over a record's samples with e = e^(−t/τ), g = (t/τ) e and h = (t/τ) g, of which the derivatives by ln τ consist.
 #[derive(Clone, Copy)]
 struct Sums {
     e: Lanes,
@@ -121,25 +121,25 @@ impl Sums {
     }
 }
 
-/// What the sums at one τ tell.
+/// The result of the sums at one τ.
 struct Solution {
     /// Newton's step of ln τ.
     step: Lanes,
-    /// ΔP and Pf less the reference, after the step.
+    /// ΔP, and Pf relative to the reference, after the step.
     linear: [Lanes; 2],
 }
 
-/// Newton's step, from the sums of the weights and of the pressures beside.
+/// Newton's step, also given the sums of the weights and of the pressures.
 #[inline(always)]
 fn newton(s: &Sums, count: Lanes, pressure: Lanes) -> Solution {
     let share = count.recip();
-    // Without the constant's part; Σ h e is Σ g².
+    // With the constant eliminated; Σ h e is Σ g².
     let (mean_e, mean_g, mean_h) = (s.e * share, s.g * share, s.h * share);
     let (ee, eg, gg, he) = (s.ee - mean_e * s.e, s.eg - mean_e * s.g, s.gg - mean_g * s.g, s.gg - mean_h * s.e);
     let (pe, pg, ph) = (s.pe - mean_e * pressure, s.pg - mean_g * pressure, s.ph - mean_h * pressure);
     let rise = pe / ee;
     let per_rise = rise.recip();
-    // What the residuals, relative to ΔP, have in common with g and with dg/d ln τ = h − g.
+    // Products of the residuals, relative to ΔP, with g and with dg/d ln τ = h − g.
     let with_g = pg * per_rise - eg;
     let with_bend = ph * per_rise - he - with_g;
     let per_ee = ee.recip();
@@ -152,7 +152,7 @@ fn newton(s: &Sums, count: Lanes, pressure: Lanes) -> Solution {
     Solution { step, linear: [after, (pressure - after * s.e - rise * step * s.g) * share] }
 }
 
-/// The least squares, lane by lane as if it were alone.
+/// The least-squares fit; each lane as if it were alone.
 #[inline(always)]
 pub fn least_squares<const FUSED: bool>(
     nodes: &mut [[Node; POINTS]],
@@ -167,16 +167,16 @@ pub fn least_squares<const FUSED: bool>(
     let begin = black_box(match *black_box(guess) {
         Guess::TimeConstant(tau) => tau.ln(),
         Guess::Relaxation { rate, excess, from } => {
-            // The sum over the samples is the integral from half an interval before the first to half of one after the last.
+            // The sum over the samples approximates the integral from half an interval before the first to half one after the last.
             let since = (first - 0.5) * (1.0 / SAMPLE_RATE_HZ) - from;
             time_constant::logarithm_of_guess(rate, excess * (-(rate * since)).exp(), count * (1.0 / SAMPLE_RATE_HZ))
         }
     });
     let mut log_tau = begin;
     let mut found = [Lanes::from(f64::NAN); 3];
-    // The step before, and how long the next may be: each turn back at most half as long.
+    // The previous step, and the limit of the next: half the step at each reversal.
     let (mut last, mut longest) = (Lanes::ZERO, Lanes::ONE);
-    // Positive where the search goes on.
+    // Positive while a lane is not done.
     let mut open = black_box(count - (FEWEST - 0.5)).where_positive(Lanes::ONE, Lanes::ZERO);
     let mut rate = Lanes::ZERO;
     let mut last_step = Lanes::ZERO;
@@ -184,7 +184,7 @@ pub fn least_squares<const FUSED: bool>(
         rate = black_box((-log_tau).exp());
         let mut sums = Sums::NONE;
         for nodes in &mut *nodes {
-            // Keeps the compiler from adding lane by lane.
+            // Prevents the compiler from adding lane by lane.
             let sums = black_box(&mut sums);
             for k in 0..POINTS {
                 sums.add::<FUSED>(&mut nodes[k], rate);
@@ -199,10 +199,10 @@ pub fn least_squares<const FUSED: bool>(
         last_step = there.where_positive(step, last_step);
         longest = (-(last * step)).where_positive(last.abs() * 0.5, longest);
         last = step.max(-longest).min(longest);
-        // A lane that is there keeps its τ, whatever others need: its nodes keep their e^(−t/τ).
+        // A converged lane keeps its τ, and its nodes their e^(−t/τ), while others continue.
         open -= there;
         log_tau = open.where_positive(log_tau + last, log_tau);
-        // A step that is no number ends the search.
+        // A NaN step ends the search.
         let away = (log_tau - begin).abs() + size * 0.0;
         open = open * each_lane!(i => if away.0[i] < FARTHEST { 1.0 } else { 0.0 });
         if !black_box(open).any_positive() {
@@ -211,7 +211,7 @@ pub fn least_squares<const FUSED: bool>(
     }
     let [pressure, rise, log_tau] = found;
     let rest = pressure - reference;
-    // The last step s is so small that e^(−t/τ) goes on by a factor e^d = 1 + d + d²/2 with d = (t/τ) (s − s²/2).
+    // The last step s is so small that e^(−t/τ) changes by a factor e^d = 1 + d + d²/2 with d = (t/τ) (s − s²/2).
     let further = black_box(rate * (last_step - last_step * last_step * 0.5));
     let (mut farthest, mut span) = (Lanes::ZERO, [Lanes::ZERO; 2]);
     for node in nodes.as_flattened() {
@@ -219,7 +219,7 @@ pub fn least_squares<const FUSED: bool>(
         let bend = multiply_add::<FUSED>(d * 0.5, d, d);
         let decay = multiply_add::<FUSED>(node.decay, bend, node.decay);
         let misfit = node.pressure - rest - rise * decay;
-        // Nodes without weight are none of the record's.
+        // Nodes without weight do not belong to the record.
         let there = (node.weight - NO_WEIGHT).where_positive(Lanes::ONE, Lanes::ZERO);
         farthest = farthest.max(misfit.abs() * there);
         let pressure = there * node.pressure;

@@ -1,5 +1,5 @@
-//! Step 1 of the paper, P = Pf + ΔP e^(−t/τ) by least squares over the samples, for as many records as there are lanes, and steps
-//! 2 to 7 on what it finds ([`fit`]). Pressures in Pa, times in s.
+//! The paper's step 1, the least-squares fit of P = Pf + ΔP e^(−t/τ) to the samples of one record per lane, and steps 2 to 7 on its
+//! result ([`fit`]). Pressures in Pa, times in s.
 
 pub mod fit;
 mod least_squares;

@@ -1,5 +1,5 @@
-//! Pressure records laid out for the regression, one a lane: samples in a row over which a record is smooth are a part, summed by the
-//! few nodes of [`samples`].
+//! Pressure records laid out for the regression, one per lane, in parts: consecutive samples over which a record is smooth, summed by
+//! the few nodes of [`samples`].
 
 use super::least_squares::{Guess, Node, Regressions, least_squares};
 use super::samples::{self, Nodes, POINTS, SAMPLE_RATE_HZ, Samples};
@@ -8,12 +8,12 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// A record between two of its samples.
+/// A part of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordPart<R = f64> {
-    /// Those from one knot to the next, with their count and times.
+    /// Its samples.
     pub samples: Samples<R>,
-    /// Pressure at the nodes of their sum.
+    /// Pressures at the nodes of their sum.
     pub pressure: [R; POINTS],
 }
 
@@ -22,43 +22,44 @@ impl RecordPart<Lanes> {
         Self { samples: Samples { first: Lanes::ZERO, count: Lanes::ZERO }, pressure: [Lanes::ZERO; POINTS] };
 }
 
-/// Pressure records to regress, one in each lane, as parts of a curve.
+/// Pressure records, one per lane.
 #[derive(Debug, Default)]
 pub struct Records {
     parts: Vec<RecordPart<Lanes>>,
     lengths: [usize; WIDTH],
     nodes: Vec<[Node; POINTS]>,
-    /// Number of the first sample, and the pressure that all others are less by.
+    /// Number of the first sample, and the reference pressure that is subtracted from all.
     begin: [Lanes; 2],
     /// Number of the first sample of the next part.
     next: Lanes,
 }
 
 impl Records {
-    /// Drops all records; the memory stays allocated.
+    /// Drops all records; keeps the memory.
     pub fn clear(&mut self) {
         self.parts.clear();
         self.nodes.clear();
         self.lengths = [0; WIDTH];
     }
 
-    /// Begins records in place of those that there are, with the first samples at or after some times, s.
+    /// Begins new records, with the first samples at or after the given times, s.
     #[inline(always)]
     pub fn begin_at(&mut self, times: Lanes) {
         self.begin_with(each_lane!(i => samples::from(times.0[i])));
     }
 
-    /// The same with samples of these numbers.
+    /// Begins new records with the samples of these numbers.
     #[inline(always)]
     pub fn begin_with(&mut self, first: Lanes) {
         self.clear();
         self.next = black_box(first);
     }
 
-    /// The nodes of the next part of each record, up to and at a time, s. None of a part that is empty in all of them, but the first.
+    /// The nodes of the next part of each record, up to and including a time, s. None if the part is empty in all lanes, except for the
+    /// first part.
     #[inline(always)]
     pub fn nodes_up_to(&mut self, times: Lanes) -> Option<Nodes<Lanes>> {
-        // Results pass through memory: else the compiler computes them lane by lane.
+        // Passes through memory: otherwise the compiler computes lane by lane.
         let first = black_box(self.next);
         let next = black_box(each_lane!(i => samples::after(times.0[i])));
         let count = black_box((next - first).max(Lanes::ZERO));
@@ -71,7 +72,7 @@ impl Records {
         Some(black_box(Samples { first, count }.nodes()))
     }
 
-    /// Appends that part to each record, with the pressures at its nodes.
+    /// Appends this part to each record, with the pressures at its nodes.
     #[inline(always)]
     pub fn push(&mut self, nodes: &Nodes<Lanes>, pressure: &[Lanes; POINTS]) {
         if self.nodes.is_empty() {
@@ -80,7 +81,7 @@ impl Records {
         let [origin, reference] = black_box(self.begin);
         let mut all = [Node::NONE; POINTS];
         for k in 0..POINTS {
-            // Nodes without weight may stand anywhere, but not where e^(−t/τ) has no value.
+            // Nodes without weight may lie anywhere, but not where e^(−t/τ) overflows.
             let time = ((nodes.numbers[k] - origin) * (1.0 / SAMPLE_RATE_HZ)).max(Lanes::ZERO);
             all[k] =
                 black_box(Node { time, pressure: pressure[k] - reference, weight: nodes.weights[k], ..Node::NONE });
@@ -88,7 +89,7 @@ impl Records {
         self.nodes.push(all);
     }
 
-    /// Appends a part to one record.
+    /// Appends a part to the record of one lane.
     #[inline(always)]
     pub fn add(&mut self, lane: usize, part: RecordPart) {
         let index = self.lengths[lane];
@@ -104,12 +105,12 @@ impl Records {
         }
     }
 
-    /// Least squares from a guess of τ on.
+    /// The least-squares fit, from a guess of τ.
     pub fn fit(&mut self, arch: Arch, guess: Guess) -> Regressions {
         arch.dispatch(Fitting { records: self, guess })
     }
 
-    /// Appends the parts that were added record by record.
+    /// Appends the parts that were added lane by lane.
     #[inline(always)]
     fn lay_out(&mut self) {
         for index in 0..self.parts.len() {

@@ -9,7 +9,9 @@ use chamber::integrate::{Dense, IntegrationError, Integrator};
 use chamber::seven_steps::{self, Push, Regression, Setup};
 use chamber::simulate::tolerance;
 use chamber::{AreaLaw, EffectSet, Geometry};
-use ensemble::{Failure, Fit, Outcome, SAMPLE_RATE_HZ, Scenario};
+use ensemble::{Failure, Fit, Outcome, Scenario};
+
+const SAMPLE_RATE_HZ: f64 = 100.0;
 
 /// An accepted step, over which the boundary is linear in time.
 struct Step {

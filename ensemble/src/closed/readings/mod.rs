@@ -1,10 +1,11 @@
-//! What a sensor shows of tests that have a closed form, one a lane: a filter of a known pressure, without integration.
+//! Sensor readings of tests that have a closed form, one per lane: a filter of a known pressure, without integration.
 //!
 //! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
-//! quadrature ([`Panel`](crate::numerics::gauss::Panel)). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
-//! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
-//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces, over which behind a
-//! lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
+//! quadrature ([`Panel`](crate::numerics::gauss::Panel)). The record shows it a delay later, behind a lag, with an offset and a
+//! drift r. Without a lag it turns where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. With a lag the push is
+//! integrated ([`push`]) and the hold has a closed form ([`hold`]). What a delayed record still shows of the push is cut into pieces,
+//! over which with a lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record,
+//! pressures in Pa.
 
 mod events;
 mod hold;
@@ -33,24 +34,24 @@ use pulp::Arch;
 use sensors::Sensors;
 use shown::Piece;
 
-/// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
+/// Number of relaxations in the push up to which a lagging or delayed record is read from the closed form.
 const MOST_RELAXATIONS: f64 = 20.0;
 
-/// The answers about one record.
+/// What is read from one record.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RecordAnswer {
-    /// Extreme reading from the end of the push on, Pa.
+    /// Largest reading from the end of the push on, Pa, or smallest for an expansion.
     pub peak: f64,
     /// Time of that reading, s.
     pub peak_time: f64,
     /// Reading at the end of the test, Pa.
     pub last: f64,
-    /// From when on it is within 1 % of that for good.
+    /// Time after which it stays within 1 % of the last reading, s.
     pub settling: f64,
 }
 
-/// Whether the closed form is the quicker way to what a sensor shows of a sealed test. With a lag or a delay the push is read
-/// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
+/// Whether the closed form is the faster method for the reading of a sealed test. With a lag or a delay the push is read in parts,
+/// whose number, time and memory grow with the ratio of push to relaxation.
 pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
     if !behind.looks_back() {
         return true;
@@ -58,7 +59,7 @@ pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
     let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
     let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
     let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
-    // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
+    // Compares the squares of [`Closed::rate`] at rest times the push: without roots and divisions.
     let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
     let rate = scenario.push_time_s * exchanged * ambient;
     let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
@@ -66,7 +67,7 @@ pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
 }
 
 impl RecordAnswer {
-    /// The outcome, where that of a record that shows the gas is `gas` and `behind` is the sensor.
+    /// The outcome, from that of the gas; `behind` is the sensor.
     pub fn outcome(
         &self,
         s: &Scenario,
@@ -85,7 +86,7 @@ impl RecordAnswer {
         }
     }
 
-    /// How the record stands at its end.
+    /// What is outstanding at the end of the record.
     fn standing(&self, s: &Scenario, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
         let distance = (self.peak - self.last).abs();
         let cooled = wall / gas.temperature_final_k;
@@ -101,8 +102,8 @@ impl RecordAnswer {
 }
 
 impl<'a> Readings<'a> {
-    /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
-    /// `memory` has the nodes of the push.
+    /// The records of tests with their sensors; `before` is the gas pressure before the test, Pa. If the sensors look back, `memory`
+    /// holds the nodes of the push.
     pub fn new(
         arch: Arch,
         memory: &'a mut Memory,
@@ -139,7 +140,7 @@ impl<'a> Readings<'a> {
         readings
     }
 
-    /// The hold without a lag: pieces between the turns, which the closed form has.
+    /// Adds the hold without a lag: pieces between its turns, which have a closed form.
     fn add_hold(&mut self) {
         let Self { hold, sensors, duration, .. } = self;
         let mut corners = [sensors.delay, *duration, *duration, *duration];
@@ -153,7 +154,7 @@ impl<'a> Readings<'a> {
         self.arch.dispatch(HoldPieces { hold, sensors, corners, pieces: &mut self.memory.pieces });
     }
 
-    /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.
+    /// Finds the turns of the records: of each lane the first piece with a turn, then the second, and so on.
     fn find_turns(&mut self) {
         let count = self.memory.pieces.len();
         self.memory.turns.clear();
@@ -192,12 +193,12 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// The answers about each record; an expansion's peak is its smallest pressure.
+    /// What is read from each record.
     pub fn answers(&self) -> [RecordAnswer; WIDTH] {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
         let FoundEvents { last, between, band, .. } = found;
-        // The hold is searched only of sensors that drift.
+        // The hold needs a search only with drift.
         let of_hold = |lane: usize| found.piece[lane] >= self.memory.in_push as f64;
         let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
         let [mut settled, good] = self.arch.dispatch(enter);
@@ -212,7 +213,7 @@ impl<'a> Readings<'a> {
             }
         }
         core::array::from_fn(|lane| {
-            // A record that never is outside has no piece to enter from.
+            // A record that is never outside has no piece to enter from.
             let outside = between[1][lane] > between[0][lane];
             let settling = if outside { settled[lane].max(0.0) } else { between[0][lane] };
             RecordAnswer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
@@ -220,7 +221,7 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// Times since the push, s, up to `end` at which a relaxation with a drift turns round; `end` in place of those it lacks.
+/// Times since the push, s, at which a relaxation with a drift turns before `end`; `end` for missing ones.
 fn turns(at_rest: f64, excess: f64, rate: f64, drift: f64, end: f64) -> [f64; 2] {
     if drift == 0.0 || excess == 0.0 {
         return [end; 2];

@@ -12,19 +12,19 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Pieces, over which the pressure is a polynomial, of a part of the push.
+/// Pieces per part of the push, over each of which the pressure is a polynomial.
 const PIECES_OF_A_PART: usize = 6;
-/// Pieces of the hold behind a lag; of one without a drift, which turns once at most; and of such a one behind a lag of at most
-/// this share of the relaxation, which turns in the first 13 lags.
+/// Pieces of the hold with a lag: with drift; without drift, when it turns at most once; and without drift for a lag of at most `QUICK`
+/// relaxations, when it turns within the first 13 lags.
 const PIECES_OF_A_HOLD: usize = 12;
 const PIECES_WITHOUT_A_DRIFT: usize = 6;
 const PIECES_OF_A_QUICK_ONE: usize = 2;
 const QUICK: f64 = 0.1;
-/// The pieces of records from the end of the push on: where they are late, up to the start of the hold, and where they lag
-/// to their ends.
+/// Builds the pieces of records from the end of the push on: of delayed records up to the start of the hold, of lagging ones to their
+/// ends.
 pub struct Build<'b, 'a> {
     pub readings: &'b mut Readings<'a>,
-    /// What the sensors show before the push, Pa.
+    /// Pressure before the push, Pa.
     pub before: Lanes,
 }
 
@@ -38,7 +38,7 @@ impl WithSimd for Build<'_, '_> {
         PushPressure::panels(tests, sensors, nodes, panels);
         let pushed = PushPressure::new(tests, sensors, nodes, panels);
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
-        // The record shows this moment at the end of the push.
+        // Time of the gas that the record shows at the end of the push.
         let first = -sensors.delay;
         if sensors.lag() {
             writer.reading = black_box(pushed.behind(sensors.lag, first, self.before));
@@ -88,8 +88,8 @@ impl WithSimd for Build<'_, '_> {
     }
 }
 
-/// Ends of the hold's pieces behind a lag, of which there are `counts`: in equal ratios from half of the shorter to 13 times the
-/// longer one of lag and relaxation, none after the record's end; the last is that. Of two the first is 13 times the shorter.
+/// Ends of the `counts` pieces of a hold with a lag: a geometric sequence from half of the shorter to 13 times the longer one of lag
+/// and relaxation, limited to the record's length, which is the last end. Of two pieces the first ends at 13 times the shorter.
 #[inline(always)]
 pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, counts: Lanes) -> [Lanes; COUNT] {
     let slowness = rate.recip();
@@ -104,18 +104,18 @@ pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, cou
     ends
 }
 
-/// Writes piece after piece.
+/// Appends pieces.
 struct Writer<'a> {
     to_powers: &'a ToPowers,
     sensors: &'a Sensors,
-    /// The reading at the end of the last piece of the push, Pa.
+    /// Reading at the end of the last piece of the push, Pa.
     reading: Lanes,
     pieces: &'a mut Vec<Piece>,
     polynomials: &'a mut Vec<Polynomial>,
 }
 
 impl Writer<'_> {
-    /// A piece of the push between two times of the gas, of sensors that lag.
+    /// Appends a piece of the push between two times of the gas, for lagging sensors.
     #[inline(always)]
     fn add_behind(&mut self, pressure: &impl Curve, times: [Lanes; 2]) {
         let (begin, lag, length) = (self.reading, self.sensors.lag, times[1] - times[0]);
@@ -129,7 +129,7 @@ impl Writer<'_> {
         self.push(times, [begin, self.reading], [(gas[0] - begin) / lag, (end - self.reading) / lag]);
     }
 
-    /// Adds a piece between two times of the gas, with what a sensor without offset and drift shows there.
+    /// Appends a piece between two times of the gas, with the readings there without offset and drift.
     #[inline(always)]
     fn push(&mut self, times: [Lanes; 2], readings: [Lanes; 2], slopes: [Lanes; 2]) {
         let Sensors { delay, drift, .. } = *self.sensors;
@@ -140,7 +140,7 @@ impl Writer<'_> {
     }
 }
 
-/// The hold's pieces between its turns, where the sensors do not lag.
+/// Appends the pieces of the hold between its turns, for sensors without a lag.
 pub struct HoldPieces<'a> {
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
@@ -162,7 +162,7 @@ impl WithSimd for HoldPieces<'_> {
         for corner in 0..3 {
             let times = [corners[corner], corners[corner + 1]];
             let shown = [shown[corner], shown[corner + 1]];
-            // With slopes of a piece that does not turn.
+            // With the slopes of a piece without a turn.
             pieces.push(black_box(Piece { times, shown, slopes: [Lanes::ZERO; 2] }));
         }
     }

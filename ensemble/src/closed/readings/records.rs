@@ -13,20 +13,20 @@ use pulp::Arch;
 /// Working memory, kept from one group to the next.
 #[derive(Default)]
 pub struct Memory {
-    /// 1/T at the nodes of each part of the push, and where it is asked for along them.
+    /// 1/T at the nodes of each part of the push and, if needed, along the parts.
     pub nodes: Vec<[Lanes; NODES]>,
     pub panels: Vec<Panel<Lanes>>,
     pub pieces: Vec<Piece>,
-    /// Of those of the push, of sensors that lag.
+    /// Polynomials of the pieces of the push, for lagging sensors.
     pub polynomials: Vec<Polynomial>,
-    /// How many of the first pieces are of the push.
+    /// Number of pieces that belong to the push; they come first.
     pub in_push: usize,
-    /// By piece, where the records turn inside.
+    /// Turns of the records, by piece.
     pub turns: Vec<Turn>,
     pub to_powers: ToPowers,
 }
 
-/// Records, one a lane; all of them lag or none, and all of them are delayed or none.
+/// Records, one per lane; all of them lag or none, and all of them are delayed or none.
 pub struct Readings<'a> {
     pub arch: Arch,
     pub tests: &'a Tests,
@@ -37,7 +37,7 @@ pub struct Readings<'a> {
 }
 
 impl Readings<'_> {
-    /// A piece of each lane, not the same one of all.
+    /// One piece per lane, which may differ between lanes.
     pub fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
         let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &*self.memory;
         let piece: [usize; WIDTH] = core::array::from_fn(piece);

@@ -1,4 +1,4 @@
-//! The samples of records from their peaks on, laid out for the regression.
+//! Lays out the samples of records from their peaks on for the regression.
 
 use super::pieces::hold_ends;
 use super::records::{Memory, Readings};
@@ -13,11 +13,11 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Pieces of the hold behind a lag in which its samples are summed.
+/// Pieces of the hold with a lag in which its samples are summed.
 const PIECES_BEHIND_A_LAG: usize = 24;
 
 impl Readings<'_> {
-    /// Number of the first sample that counts: the larger of those beside the peak.
+    /// Number of the first sample: the larger of those beside the peak.
     fn first_samples(&self, peak_times: Lanes) -> Lanes {
         let push = self.tests.push;
         let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
@@ -42,14 +42,14 @@ impl Readings<'_> {
         })
     }
 
-    /// Lays the samples from the peaks on out for the regression, which are shown at some times, s.
+    /// Lays out the samples from the peaks on, whose times, s, are given.
     pub fn lay_out(&self, peak_times: Lanes, records: &mut Records) {
         records.begin_with(self.first_samples(peak_times));
         self.arch.dispatch(Sample { readings: self, records });
     }
 }
 
-/// Samples, from the first that counts on, for the regression.
+/// Lays out the samples of all pieces.
 struct Sample<'b, 'a> {
     readings: &'b Readings<'a>,
     records: &'b mut Records,
@@ -67,7 +67,7 @@ impl WithSimd for Sample<'_, '_> {
             let push = polynomials.get(index).map_or(gas, |polynomial| Push::Behind(*black_box(polynomial)));
             self.add(black_box(piece.times), Some(push));
         }
-        // The hold's pieces are as long as from turn to turn.
+        // Not the pieces of the hold, which reach from turn to turn.
         let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
         let ends: &[Lanes] = if sensors.lag() {
             &hold_ends::<PIECES_BEHIND_A_LAG>(rate, sensors.lag, length, Lanes::from(PIECES_BEHIND_A_LAG as f64))
@@ -96,7 +96,7 @@ impl Sample<'_, '_> {
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..black_box(POINTS) {
             let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push_end;
-            // Nodes without weight may stand anywhere.
+            // Nodes without weight may lie anywhere.
             pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
         }
         self.records.push(&nodes, &pressure);

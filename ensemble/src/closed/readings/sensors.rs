@@ -1,9 +1,9 @@
-//! Sensors of tests, one a lane.
+//! Sensors of tests, one per lane.
 
 use crate::lanes::Lanes;
 
-/// The sensors of as many tests as there are lanes: lags and delays, s, offsets at the end of the push, Pa, drifts, Pa/s.
-/// All of them lag or none, and all of them are delayed or none.
+/// Sensors, one per lane: lags and delays, s, offsets at the end of the push, Pa, drifts, Pa/s. All of them lag or none, and all of
+/// them are delayed or none.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensors {
     pub lag: Lanes,
@@ -13,19 +13,19 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Whether they lag.
+    /// Whether the sensors lag.
     #[inline(always)]
     pub fn lag(&self) -> bool {
         self.lag[0] > 0.0
     }
 
-    /// Whether they are delayed.
+    /// Whether the records are delayed.
     #[inline(always)]
     pub fn are_late(&self) -> bool {
         self.delay[0] > 0.0
     }
 
-    /// What they show beside the gas, Pa, at a time since the end of the push, s.
+    /// Offset and drift, Pa, at a time since the end of the push, s.
     #[inline(always)]
     pub fn beside(&self, time: Lanes) -> Lanes {
         self.offset + self.drift * time

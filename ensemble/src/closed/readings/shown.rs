@@ -1,4 +1,4 @@
-//! What is shown in the pieces of records, between which they may turn round: of the push, where they are late, and of the hold.
+//! Readings along the pieces of records: of the push, if they are delayed, and of the hold.
 
 use super::hold::HoldRecord;
 use super::push::PushPressure;
@@ -10,53 +10,53 @@ use crate::numerics::gauss::{NODES, Panel};
 use crate::numerics::root::Curve;
 use chamber::real::Real;
 
-/// A length, s, to divide by where there is none.
+/// Smallest length to divide by, s.
 const SHORTEST: f64 = 1e-300;
 
 /// A piece of each record.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Times at which it begins and ends, s.
+    /// Begin and end, s.
     pub times: [Lanes; 2],
-    /// What is shown there, Pa, and the slopes, Pa/s.
+    /// Readings there, Pa, and their slopes, Pa/s.
     pub shown: [Lanes; 2],
     pub slopes: [Lanes; 2],
 }
 
-/// The gas during a piece of the push of sensors that lag.
+/// A piece of the push for lagging sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct Polynomial {
-    /// Coefficients of its pressure, Pa, in powers of the share of the piece.
+    /// Coefficients of the gas pressure, Pa, in powers of the place from 0 to 1.
     pub gas: [Lanes; TERMS],
-    /// The lagging reading at the piece's start, Pa.
+    /// Lagged reading at its start, Pa.
     pub lagged: Lanes,
 }
 
-/// A piece's record as a curve.
+/// The record along a piece, as a curve.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
-    /// Times at which the piece begins and ends, s.
+    /// Begin and end of the piece, s.
     pub times: [Lanes; 2],
-    /// 1 where it is of the push, 0 where of the hold.
+    /// 1 if it belongs to the push, 0 if to the hold.
     pub pushed: Lanes,
-    /// That of the push, where any of the pieces is of it.
+    /// The pieces of the push, if there are any.
     pub push: Option<Push<'a>>,
     pub hold: &'a HoldRecord,
     pub sensors: &'a Sensors,
 }
 
-/// Pieces of the push, one a lane.
+/// Pieces of the push, one per lane.
 #[derive(Clone, Copy)]
 #[allow(clippy::large_enum_variant, reason = "one lives at a time")]
 pub enum Push<'a> {
-    /// Of sensors that lag.
+    /// For lagging sensors.
     Behind(Polynomial),
-    /// Of sensors that show the gas late: the tests, and 1/T at the nodes and along the parts of their pushes.
+    /// For sensors with a delay only: the tests, and 1/T at the nodes and along the parts of their pushes.
     Gas(&'a Tests, &'a [[Lanes; NODES]], &'a [Panel<Lanes>]),
 }
 
 impl Shown<'_> {
-    /// The reading without offset and drift, Pa, and its slope, Pa/s.
+    /// Reading without offset and drift, Pa, and its slope, Pa/s.
     #[inline(always)]
     fn reading(&self, time: Lanes) -> [Lanes; 2] {
         let held = self.hold.shown(time - self.sensors.delay);

@@ -1,16 +1,15 @@
-//! The hold under λ ∝ √(P T) |T − Tw|^n, 0 < n, by a series. With v = (T − Tw)/(T + Tw) and L = ln(v0/v), the relaxations so far,
+//! The hold with λ ∝ √(P T) |T − Tw|^n, 0 < n, by a series. With v = (T − Tw)/(T + Tw) and L = ln(v0/v), the relaxations so far,
 //!
 //! r t = ∫₀^L e^(nL) (1 − v)^n/(1 + v) dL,  r = c Aq/√V Tw |v0 Tw/10 K|^n
 //!
-//! The quotient is a power series Σ h_j v^j, the nearest places where it has none are v = ±1, where T vanishes or is infinite. With
-//! v = v0 ζ, ζ = e^(−L) and d_j = h_j v0^j/(n − j),
+//! The quotient is a power series Σ h_j v^j; its nearest singularities are v = ±1, where T is zero or infinite. With v = v0 ζ,
+//! ζ = e^(−L) and d_j = h_j v0^j/(n − j),
 //!
 //! r t = e^(nL) Σ d_j ζ^j − Σ d_j
 //!
-//! Over p = (e^(nL) − 1)/n that has the slope (1 − v)^n/(1 + v), which changes little: L at a time follows by Newton's method in p.
-//! For the samples of a record L over time is a polynomial between moments ([`super::record`]).
-//! Not for n near to a whole number, where a term has no such integral, nor for gas far from the wall's temperature
-//! ([`has_series`]). Temperatures in K, times in s since the push.
+//! As a function of p = (e^(nL) − 1)/n it has the slope (1 − v)^n/(1 + v), which changes little: L at a given time follows by Newton's
+//! method in p. For the samples of a record L is interpolated in time ([`super::record`]). Not for n near an integer, where a term has
+//! no such integral, nor for gas far from the wall's temperature ([`has_series`]). Temperatures in K, times in s since the push.
 
 use crate::lanes::Lanes;
 use crate::lanes::math::in_powers_fused;
@@ -21,23 +20,23 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Terms of the series, and the largest |v| for which they give temperatures with a relative error of less than 2e-12: the terms left
-/// out are of the order |v|^32.
+/// Number of terms, and the largest |v| for which they give temperatures with a relative error below 2e-12: the neglected terms are of
+/// the order |v|^32.
 const TERMS: usize = 32;
 const FARTHEST: f64 = 0.43;
-/// How near n may be to a whole number.
+/// Smallest distance of n from an integer.
 const NEAREST: f64 = 0.01;
-/// Rounds of Newton's method at most, and the relaxations that a step must be shorter than to be the last.
+/// Largest number of Newton steps, and size of the last one, in relaxations.
 const ROUNDS: usize = 12;
 const NEARLY: f64 = 5e-7;
 
-/// Whether the hold has this series, of that n and from that temperature on, K, in front of that wall.
+/// Whether the series is valid for a hold with an exponent n, from a temperature on, K, and with a wall temperature, K.
 pub fn has_series(exponent: f64, temperature: f64, wall: f64) -> bool {
     let v = ((temperature - wall) / (temperature + wall)).abs();
     exponent > 0.0 && (exponent - exponent.round()).abs() > NEAREST && v > 0.0 && v < FARTHEST
 }
 
-/// Holds, one a lane.
+/// Holds, one per lane.
 pub struct Holds {
     /// n.
     pub exponent: Lanes,
@@ -47,22 +46,22 @@ pub struct Holds {
     pub wall: Lanes,
     /// Temperature at the start, K.
     pub pushed: Lanes,
-    /// Lengths of push and hold, s.
+    /// Durations of push and hold, s.
     pub push: Lanes,
     pub hold: Lanes,
 }
 
-/// How they go on.
+/// The ends of the holds.
 pub struct Ends {
     /// Temperature at the end, K.
     pub end: Lanes,
-    /// From when on the temperature is within 1 % of its way from its end, s.
+    /// Time after which the temperature is within 1 % of its total change from its end, s.
     pub settling: Lanes,
     pub relaxations: Lanes,
     pub series: TimeOfRelaxations,
 }
 
-/// The time over relaxations, s: see [`Curve::at`].
+/// The time as a function of relaxations, s: see [`Curve::at`].
 pub struct TimeOfRelaxations {
     exponent: Lanes,
     wall: Lanes,
@@ -86,7 +85,7 @@ impl TimeOfRelaxations {
         let strength = first.abs() * wall * (2.0 / REFERENCE_DIFFERENCE_K);
         let slowness = (rate * (exponent * strength.ln()).exp()).recip();
         let [mut slopes, mut terms] = [[Lanes::ZERO; TERMS]; 2];
-        // Of (1 − v)^n, of the quotient, and the power of v0.
+        // Coefficients of (1 − v)^n and of the quotient, and the power of v0.
         let (mut binomial, mut quotient, mut power) = (Lanes::ONE, Lanes::ZERO, Lanes::ONE);
         for j in 0..TERMS {
             if j > 0 {
@@ -101,25 +100,25 @@ impl TimeOfRelaxations {
         Self { exponent, wall, first, slowness, slopes, terms, first_slope, sum }
     }
 
-    /// The temperature after so many relaxations.
+    /// Temperature after a number of relaxations.
     #[inline(always)]
     pub fn temperature(&self, relaxations: Lanes) -> Lanes {
         let v = self.first * (-relaxations).exp();
         self.wall * (Lanes::ONE + v) / (Lanes::ONE - v)
     }
 
-    /// Relaxations until that temperature.
+    /// Number of relaxations until a temperature.
     #[inline(always)]
     fn relaxations(&self, temperature: Lanes) -> Lanes {
         (self.first * (temperature + self.wall) / (temperature - self.wall)).ln()
     }
 
-    /// Relaxations after a time.
+    /// Number of relaxations after a time.
     #[inline(always)]
     pub fn after(&self, time: Lanes) -> Lanes {
         let (asked, per_exponent) = (time / self.slowness, self.exponent.recip());
-        // At first p goes by the first slope, at last by that of one, which is `ahead` of it: between the two by a hyperbola, and
-        // within what any slope between them gives.
+        // Initially p follows the first slope, finally a slope of one with an offset `ahead`: a hyperbola connects the two, limited to
+        // what the slopes in between can give.
         let begun = asked / self.first_slope;
         let (gained, ahead) = (begun - asked, self.sum - self.terms[0]);
         let [fast, slow] = [begun.min(asked), begun.max(asked)];
@@ -129,7 +128,7 @@ impl TimeOfRelaxations {
             let grown = Lanes::ONE + self.exponent * p;
             relaxations = open.where_positive(grown.ln() * per_exponent, relaxations);
             let left = (-relaxations).exp();
-            // Read where they are: else the compiler first copies them all.
+            // Read in place: otherwise the compiler first copies them all.
             let [terms, slopes] = black_box([&self.terms, &self.slopes]);
             let missing = asked + self.sum - grown * in_powers_fused(terms, left);
             let step = missing / in_powers_fused(slopes, left);
@@ -143,7 +142,7 @@ impl TimeOfRelaxations {
         relaxations
     }
 
-    /// The time over relaxations and its first three derivatives: r t' = e^(nL) (1 − v)^n/(1 + v), and v' = −v.
+    /// The time as a function of relaxations and its first three derivatives: r t' = e^(nL) (1 − v)^n/(1 + v), and v' = −v.
     #[inline(always)]
     pub fn with_slopes(&self, relaxations: Lanes) -> [Lanes; 4] {
         let n = self.exponent;
@@ -151,7 +150,7 @@ impl TimeOfRelaxations {
         let [terms, slopes] = black_box([&self.terms, &self.slopes]);
         let time = (grown * in_powers_fused(terms, left) - self.sum) * self.slowness;
         let first = grown * in_powers_fused(slopes, left) * self.slowness;
-        // Of ln t'.
+        // First and second derivative of ln t'.
         let v = self.first * left;
         let [per_less, per_more] = [(Lanes::ONE - v).recip(), (Lanes::ONE + v).recip()];
         let growth = n + v * (n * per_less + per_more);
@@ -168,7 +167,7 @@ impl Curve for TimeOfRelaxations {
     }
 }
 
-/// Follows holds to their ends.
+/// Solves holds.
 pub struct Solve<'a>(pub &'a Holds);
 
 impl WithSimd for Solve<'_> {

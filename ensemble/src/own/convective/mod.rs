@@ -1,11 +1,11 @@
-//! Tests whose heat transfer follows a power of the temperature difference, in lanes: natural convection alone, the port
-//! closed. The equation of [`crate::own::sealed`] has one more factor, u = |(T − Tw)/20 K|^n, which is a state beside T: so the rates take
-//! no power. While the piston moves,
+//! Tests with natural convection alone and the port closed, in lanes: the heat transfer coefficient is proportional to a power of the
+//! temperature difference. The equation of [`crate::own::sealed`] has the additional factor u = |(T − Tw)/20 K|^n, which is a state
+//! beside T, so that the rates need no power. While the piston moves,
 //!
 //! dT/ds = T (q u − 4 (γ − 1) w'/w),  du/ds = n u/(T − Tw) dT/ds,  q = c p (a1 w⁴ + a0) w (Tw − T)
 //!
-//! from near T = Tw, where that has no power series, after a series of another kind ([`start`]) and by the bent clock.
-//! While it rests T − Tw falls out of the second equation:
+//! starting, from near T = Tw, where the solution has no power series, with a series of another kind ([`start`]) and with the bent
+//! clock. While it rests T − Tw cancels in the second equation:
 //!
 //! dT/dt = k u T (Tw − T),  du/dt = −n k T u²,  k = c Aq/√V
 //!
@@ -36,11 +36,11 @@ use core::hint::black_box;
 use pulp::Arch;
 use start::Pushes;
 
-/// The effect on the gas, of those that there are, that such tests have.
+/// The only effect on the gas that such tests have.
 pub const EFFECTS: EffectSet = NaturalConvection::SET;
 
-/// How much more than the temperature the factor may err over a step, as a share of its value at first: the end of each step of the push
-/// puts it right, and in the hold it goes more evenly than the temperature, whose errors set the length of steps.
+/// Tolerance of the factor, relative to its initial value, in units of the temperature's tolerance. The end of each step of the push
+/// recomputes the factor, and in the hold it is smoother than the temperature, whose errors determine the steps.
 const MAY_ERR: f64 = 100.0;
 
 /// One test.
@@ -49,9 +49,9 @@ pub struct ConvectiveTest {
     gas: SealedTest,
     /// n.
     pub exponent: f64,
-    /// Whether it starts from the wall's temperature.
+    /// Whether it starts at the wall's temperature.
     from_rest: bool,
-    /// What the clock shows where the integration begins, s, and heat received and work until then, over m cv, K.
+    /// Place of the clock where the integration begins, s, and heat received and work until then, over m cv, K.
     begun: f64,
     energy: [f64; 2],
 }
@@ -61,13 +61,13 @@ fn exponent(scenario: &Scenario) -> f64 {
     scenario.chamber.effects.of(NaturalConvection::PLACE)[0]
 }
 
-/// Whether the heat flow has a rate of change everywhere: with n below zero the gas comes to the wall's temperature at once.
+/// Whether the heat flow is differentiable: with n below zero the gas reaches the wall's temperature in finite time.
 pub fn is_smooth(scenario: &Scenario) -> bool {
     exponent(scenario) > 0.0
 }
 
-/// Whether the gas stays on a side of the wall's temperature: so it does if it starts from there, or well beside it, and the push drives it
-/// away from there. Next to it rounding of the temperature is too much of their difference.
+/// Whether the gas stays on one side of the wall's temperature: if it starts exactly there, or well away from it, and the push drives it
+/// away. Very close to it, the difference would be dominated by rounding.
 pub fn stays_on_a_side(s: &Scenario) -> bool {
     let above = s.initial_temperature_k - s.ambient_temperature_k;
     let widening = s.final_position_m - s.initial_position_m;
@@ -125,7 +125,7 @@ impl OwnTest<2> for ConvectiveTest {
     }
 }
 
-/// The pushes of up to as many tests as there are lanes.
+/// The pushes of tests, one per lane.
 fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
     let at = |lane: usize| lane.min(tests.len() - 1);
     let gas = |lane: usize| &tests[at(lane)].gas;
@@ -141,16 +141,16 @@ fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
     gas: sealed::Moving,
     exponent: Lanes,
-    /// What the clock shows at the start, s.
+    /// Place of the clock at the start, s.
     begun: Lanes,
 }
 
-/// |d/20 K|^n of temperature differences, K. It passes through memory: else the compiler computes it lane by lane.
+/// |d/20 K|^n of temperature differences, K. Passes through memory: otherwise the compiler computes lane by lane.
 #[inline(always)]
 fn power(difference: Lanes, exponent: Lanes) -> Lanes {
     let difference = black_box(difference).abs().max(Lanes::from(SMALLEST_DIFFERENCE_K));
@@ -191,7 +191,7 @@ impl LaneSystem<2> for Moving {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one per lane, while their pistons rest.
 #[derive(Clone, Default)]
 pub struct Held {
     gas: sealed::Held,
@@ -222,13 +222,13 @@ impl Holding<2> for Held {
         self.gas.guess_from(state[0] * state[0], begin)
     }
 
-    /// By the equations' recursion: each coefficient follows from those of lower powers.
+    /// By recursion: each coefficient follows from those of lower powers.
     #[inline(always)]
     fn series(&self, &[state, factor]: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
         let (zero, exchange) = (Lanes::ZERO, self.gas.exchange * length);
         let (mut gas, mut factor) = ([state * state, zero, zero, zero], [factor, zero, zero]);
         let mut warmer = [self.gas.wall - gas[0], zero, zero];
-        // Of T u.
+        // Coefficients of T u.
         let mut driven = [zero; 3];
         for order in 0..3 {
             if order > 0 {

@@ -1,11 +1,11 @@
-//! The record of a hold of which the time t over u, the relaxations so far, is known, for sums over samples at given times: no root
-//! has to be found for any of them. From one moment to the next u is a polynomial of degree 7 that has the value and the first three
-//! derivatives of u at both. With those of t over u, t1, t2 and t3, the derivatives over t are
+//! The record of a hold whose time t is known as a function of u, the relaxations so far, for sums over samples at given times without
+//! finding a root for each of them. Between two knots u is the polynomial of degree 7 with the value and the first three derivatives of
+//! u at both. From the derivatives of t by u, t1, t2 and t3, those of u by t are
 //!
 //! 1/t1,  −t2/t1³,  (3 t2² − t1 t3)/t1⁵
 //!
-//! A hold that slows down as a power of its distance from rest has u = ln(1 + β (t − t0))/n, β = t2/t1² at t0, where the part begins.
-//! So the polynomial is one in y = ln(1 + β (t − t0))/β: for that law a line, as it is for a relaxation at a constant rate.
+//! A hold that slows down with a power of its distance from rest has u = ln(1 + β (t − t0))/n, β = t2/t1² at t0, the start of the part.
+//! So the polynomial is one in y = ln(1 + β (t − t0))/β: linear for that law, and for a relaxation at a constant rate.
 
 use super::hold::{Ends, Holds};
 use crate::lanes::Lanes;
@@ -17,16 +17,16 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// β over a part's length, at least: y of less is the time itself but for rounding.
+/// Smallest β times the part's length: for less, y equals the time to rounding.
 const STRAIGHT: f64 = 1e-6;
 
-/// Lays out their records; the answer is a guess of τ.
+/// Lays out the records; returns a guess of τ.
 pub struct Record<'a> {
     pub holds: &'a Holds,
     pub ends: &'a Ends,
     /// P/T, Pa/K.
     pub per_temperature: Lanes,
-    /// Where the records go.
+    /// Receives the records.
     pub records: &'a mut Records,
 }
 
@@ -42,7 +42,7 @@ impl WithSimd for Record<'_> {
     }
 }
 
-/// Holds that were followed to their ends.
+/// Solved holds.
 pub struct Held<'a> {
     ends: &'a Ends,
     hold: Lanes,
@@ -75,12 +75,12 @@ impl Relaxing for Held<'_> {
     #[inline(always)]
     fn course(&self, [begin, end]: [&HoldMoment; 2]) -> Course<'_> {
         let way = end.time - begin.time;
-        // Lanes without a way from one to the other have no samples there.
+        // Lanes in which both knots coincide have no samples there.
         let way = way.where_positive(way, Lanes::ONE);
         let [_, rate, bend, _] = begin.relaxations;
         let beta = (bend * -2.0 / rate).max(way.recip() * STRAIGHT);
         let pace = Lanes::ONE + beta * way;
-        // Results pass through memory: else the compiler computes them lane by lane.
+        // Passes through memory: otherwise the compiler computes lane by lane.
         let logarithm = black_box(pace.ln());
         let length = logarithm / beta;
         let ends = black_box([begin.over(length, beta, Lanes::ONE), end.over(length, beta, pace)]);
@@ -89,7 +89,7 @@ impl Relaxing for Held<'_> {
     }
 }
 
-/// A moment of a hold: the time since the push, s, and Taylor coefficients of the relaxations over it.
+/// A knot of a hold: the time since the push, s, and the Taylor coefficients of the relaxations in it.
 #[derive(Clone, Copy, Debug)]
 pub struct HoldMoment {
     time: Lanes,
@@ -97,7 +97,7 @@ pub struct HoldMoment {
 }
 
 impl HoldMoment {
-    /// By the time, s, and its first three derivatives there over the relaxations.
+    /// From the time, s, and its first three derivatives by the relaxations.
     #[inline(always)]
     pub fn new(time: Lanes, relaxations: Lanes, [first, second, third]: [Lanes; 3]) -> Self {
         let rate = first.recip();
@@ -107,7 +107,7 @@ impl HoldMoment {
         Self { time, relaxations: [relaxations, rate, bend * rate * -0.5, twist * (1.0 / 6.0)] }
     }
 
-    /// Coefficients in powers of y over `length`, of a β, where dt/dy is `pace`: t goes as pace (y + β y²/2 + β² y³/6).
+    /// Coefficients in powers of y over `length`, given β and dt/dy, `pace`: t changes by pace (y + β y²/2 + β² y³/6).
     #[inline(always)]
     fn over(&self, length: Lanes, beta: Lanes, pace: Lanes) -> [Lanes; 4] {
         let [value, first, second, third] = self.relaxations;
@@ -119,14 +119,14 @@ impl HoldMoment {
     }
 }
 
-/// The pressure from one moment to another.
+/// The pressure between two knots.
 pub struct Course<'a> {
     held: &'a Held<'a>,
-    /// The time at its start, and its length, s.
+    /// Time at its start, and length, s.
     begin: Lanes,
     way: Lanes,
     beta: Lanes,
-    /// One over β y at the end.
+    /// Reciprocal of β y at the end.
     per_logarithm: Lanes,
     relaxations: Hermite,
 }
@@ -134,7 +134,7 @@ pub struct Course<'a> {
 impl Curve for Course<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        // Nodes without weight may stand anywhere.
+        // Nodes without weight may lie anywhere.
         let since = (time - self.begin).max(Lanes::ZERO).min(self.way);
         let place = (Lanes::ONE + self.beta * since).ln() * self.per_logarithm;
         let Held { ends: Ends { series, .. }, per_temperature, .. } = self.held;

@@ -1,5 +1,5 @@
-//! Tests with natural convection as they come: the push of [`super`], and a hold that is a series
-//! ([`hold`]) or, where there is none, an integral over the temperature ([`relaxing_rows`]).
+//! Solves tests with natural convection: by the push of [`super`] and a hold that is a series ([`hold`]) or, if that is not valid, an
+//! integral over temperature ([`relaxing_rows`]).
 
 use super::hold::{self, Ends, Holds, Solve};
 use super::record::Record;
@@ -17,12 +17,12 @@ use crate::own::test::OwnTest;
 use crate::regression::Records;
 use chamber::AreaLaw;
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     tests: Vec<ConvectiveTest>,
     problems: Vec<Problem<2>>,
-    /// Those whose holds are series, with the numbers of their tests, and others.
+    /// Tests whose holds are series, with their indices, and the others.
     in_series: Vec<(usize, AfterPush)>,
     pushed: Vec<AfterPush>,
     records: Records,
@@ -39,7 +39,7 @@ impl Way for Memory {
     }
 }
 
-/// Runs tests of one area law. Those are left whose pushes could not be followed in this way.
+/// Solves tests of one area law. Those whose pushes fail are left.
 fn run(batch: Batch, memory: &mut Memory, rows: &[u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
     let Memory { tests, problems, in_series, pushed, records, relaxing } = memory;

@@ -1,11 +1,11 @@
-//! The start of a push from the wall's temperature, the heat flow following |T − Tw|^p, p = 1 + n: there T has no power series in
-//! time, but one in two variables. With d = |w'| s/w0 of the clock ([`crate::integrator::clock`]), e = 4 (γ − 1), σ = 1 while the gas is
-//! compressed and −1 while it expands, x = |T/Tw − 1| and H the heat lost, over m cv T,
+//! The start of a push from the wall's temperature with a heat flow proportional to |T − Tw|^p, p = 1 + n: T has no power series in time
+//! there, but one in two variables. With d = |w'| s/w0 of the clock ([`crate::integrator::clock`]), e = 4 (γ − 1), σ = 1 for a
+//! compression and −1 for an expansion, x = |T/Tw − 1| and H the heat lost over m cv T,
 //!
 //! T/Tw = (1 − σ d)^(−e) e^(−σ H),  dH/dd = κ f(d) x^p,  f = (a1 V + a0) w over its first value,  κ = f0 Tw |Tw/20 K|^n w0/|w'|
 //!
-//! x = e d Σ y^j R_j(d) and H = e d Σ y^j h_j(d), both power series, where y = κ (e d)^p/e is the heat flow over the work. Each h_j
-//! follows from what was lost before, as dy/dd = p y/d:
+//! x = e d Σ y^j R_j(d) and H = e d Σ y^j h_j(d), both power series, where y = κ (e d)^p/e is the ratio of heat flow to work. Each h_j
+//! follows from the previous ones, as dy/dd = p y/d:
 //!
 //! (1 + p j) h_j + d h_j' = f S_(j−1),  Σ y^j S_j = (Σ y^j R_j)^p,  R_1 = −(1 − σ d)^(−e) h_1
 //!
@@ -19,17 +19,17 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Where the series end at the latest: d, s as a share of the push, and y. What is left out is then below 3e-12 of T.
+/// Largest d, s relative to the push, and y at the end of the series. The truncation error is then below 3e-12 of T.
 const FARTHEST: f64 = 6e-3;
 const LONGEST_SHARE: f64 = 0.03;
 const STRONGEST: f64 = 4e-3;
-/// Terms of the series in d.
+/// Number of terms of the series in d.
 const TERMS: usize = 4;
 
-/// Terms of a series in d: its coefficients times the powers of d at the end.
+/// The terms of a series in d: its coefficients times the powers of d at the end.
 type Terms = [Lanes; TERMS];
 
-/// Pushes, one a lane.
+/// Pushes, one per lane.
 pub struct Pushes {
     /// Their clocks, bent.
     pub clock: Clock<Lanes>,
@@ -41,13 +41,13 @@ pub struct Pushes {
     pub exchange: [Lanes; 2],
     /// Temperature of the wall, K.
     pub wall: Lanes,
-    /// Length, s.
+    /// Duration, s.
     pub length: Lanes,
 }
 
-/// Where the series end.
+/// The end of the series.
 pub struct Begun {
-    /// What the clock shows, s.
+    /// Place of the clock, s.
     pub clock: Lanes,
     /// √T and |(T − Tw)/20 K|^n.
     pub state: [Lanes; 2],
@@ -66,7 +66,7 @@ fn product(a: &Terms, b: &Terms) -> Terms {
     black_box(out)
 }
 
-/// A power of a series that begins with one: k b_k = Σ (p j − (k − j)) a_j b_(k−j).
+/// A power p of a series that begins with one: k b_k = Σ (p j − (k − j)) a_j b_(k−j).
 #[inline(always)]
 fn power(a: &Terms, exponent: Lanes) -> Terms {
     let mut out = [Lanes::ONE; TERMS];
@@ -80,7 +80,7 @@ fn power(a: &Terms, exponent: Lanes) -> Terms {
     black_box(out)
 }
 
-/// The terms of h, where (1 + q) h + d h' has those given.
+/// The terms of h, given those of (1 + q) h + d h'.
 #[inline(always)]
 fn integral(of: &Terms, q: Lanes) -> Terms {
     let mut out = *of;
@@ -121,7 +121,7 @@ impl WithSimd for &Pushes {
             y = y.min(Lanes::from(STRONGEST));
         }
 
-        // Of x over e d without loss of heat, of (1 − σ d)^(−e), and of f.
+        // Terms of x over e d without loss of heat, of (1 − σ d)^(−e), and of f.
         let at = sign * d;
         let [first, second, third] = [1.0, 2.0, 3.0].map(|k| (e + k) * (1.0 / (k + 1.0)) * at);
         let adiabatic = [Lanes::ONE, first, first * second, first * second * third];

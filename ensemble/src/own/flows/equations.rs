@@ -1,16 +1,16 @@
-//! The rates of ν = 1/√M and z = 1/√T: the equations in the head of [`super`], over lanes or over their series.
+//! The rates of ν = 1/√M and z = 1/√T by the equations of [`super`], for lanes or for their series.
 
 use super::openings::{GasInside, Law, Passage};
 use crate::lanes::{Lanes, put};
 use crate::numerics::series::Series;
 use chamber::real::Real;
 
-/// What the rates take of a test, but for its volume.
+/// The constants of a test, except for its volume.
 #[derive(Clone, Copy, Debug)]
 pub struct Constants<R = f64> {
     /// γ.
     pub heat_capacity_ratio: R,
-    /// Temperature of the wall and of what is outside, K, and 1/√ of it.
+    /// Temperature of the wall and of the gas outside, K, and 1/√ of it.
     pub wall: R,
     pub per_root_wall: R,
     pub passage: Passage<R>,
@@ -18,11 +18,11 @@ pub struct Constants<R = f64> {
     pub inflow: R,
     pub outflow: R,
     pub temperature_in: R,
-    /// Whether there are such, in any lane.
+    /// Whether any lane has constant flows.
     pub is_fed: bool,
 }
 
-/// Applies a macro to each number of a [`Constants`].
+/// Applies a macro to the numbers of [`Constants`].
 macro_rules! each_constant {
     ($apply:ident) => {
         $apply!(
@@ -32,7 +32,7 @@ macro_rules! each_constant {
     };
 }
 
-/// What the geometry and the clock make of the rates at one moment.
+/// The factors of the rates by geometry and clock at one time.
 pub struct PlaceFactors<R> {
     /// Half the heat exchanged, over 1/√M: c √M (a1 V + a0)/(2 √V).
     pub exchange: R,
@@ -40,9 +40,9 @@ pub struct PlaceFactors<R> {
     pub work: R,
     /// The pressure outside times the volume.
     pub outside: R,
-    /// Half the width, over V^[`Law::POWER`].
+    /// Half the width over V^[`Law::POWER`].
     pub width: R,
-    /// How fast the time goes.
+    /// dt/ds.
     pub pace: R,
 }
 
@@ -58,7 +58,7 @@ pub struct State<R> {
 }
 
 impl<R: Real> State<R> {
-    /// Of ν and z.
+    /// The state from ν and z.
     #[inline(always)]
     pub fn of(&[per_root_mass, per_root]: &[R; 2]) -> Self {
         let both = per_root_mass * per_root;
@@ -67,11 +67,11 @@ impl<R: Real> State<R> {
     }
 }
 
-/// What the equations give, per unit of the clock.
+/// The rates, per unit of the clock.
 pub struct Rates<R> {
-    /// Of the states.
+    /// Rates of the states.
     pub states: [R; 2],
-    /// Half of what the gas receives as heat and enthalpy, over P V.
+    /// Half the heat and enthalpy received, over P V.
     pub received: R,
 }
 
@@ -92,7 +92,7 @@ impl<R: Real> Default for Constants<R> {
 }
 
 impl<R: Real> Constants<R> {
-    /// The equations. What no lane has is left out: to the last digit the same.
+    /// The equations. Parts that no lane needs are skipped, without changing a bit.
     #[inline(always)]
     pub fn rates<L: Law>(&self, at: &PlaceFactors<R>, state: &State<R>) -> Rates<R> {
         let &State { per_root_mass, per_root, root, root_energy, per_energy } = state;
@@ -100,7 +100,7 @@ impl<R: Real> Constants<R> {
         let gas = GasInside { root, temperature, energy: root_energy * root_energy, ratio };
         let cooled = at.work - at.exchange * per_root_mass * (self.wall - temperature);
         let inward = ratio - 1.0;
-        // The flow out, and what it takes along of mass, of temperature and of heat and enthalpy.
+        // The outflow, and its effects on mass, on temperature, and on heat and enthalpy.
         let (flow, scale, mass, cold, enthalpy);
         if !inward.any_positive() {
             [flow, scale] = L::outflow(&self.passage, &gas);
@@ -116,7 +116,7 @@ impl<R: Real> Constants<R> {
             cold = inward.where_positive(R::ONE - warm, self.heat_capacity_ratio - 1.0);
             enthalpy = inward.where_positive(-warm, self.heat_capacity_ratio);
         }
-        // What follows the flow comes last: all waits for it.
+        // What depends on the flow comes last, as the flow is on the critical path.
         let (mass, scale) = (mass * at.width, scale * at.width);
         let mut losing = flow * (per_root_mass * mass);
         let mut cooling = per_root * cooled + flow * (per_root * (scale * cold));
@@ -134,7 +134,7 @@ impl<R: Real> Constants<R> {
 }
 
 impl Constants<Lanes> {
-    /// Puts the constants of a test into a lane.
+    /// Loads the constants of a test into a lane.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Constants) {
         macro_rules! load {
@@ -144,7 +144,7 @@ impl Constants<Lanes> {
         self.is_fed |= from.is_fed;
     }
 
-    /// The same as series.
+    /// The constants as series.
     #[inline(always)]
     pub fn as_series<const K: usize>(&self) -> Constants<Series<K>> {
         let mut out = Constants::<Series<K>>::default();

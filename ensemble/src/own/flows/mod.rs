@@ -1,18 +1,18 @@
-//! The paper's model with a port through which gas leaves or enters, in lanes: beside the temperature of the gas, as in
-//! [`crate::own::sealed`], its mass is a state. With the same clock and M = m R,
+//! The paper's model with gas that leaves or enters, in lanes: beside the gas temperature, as in [`crate::own::sealed`], the mass is a
+//! state. With the same clock and M = m R,
 //!
 //! T'/T = c √M p (a1 w⁴ + a0) w (Tw − T)/√M − 4 (γ − 1) w'/w − (γ − 1) o + Σ i (γ Ti/T − 1),  M'/M = Σ i − o
 //!
 //! o, Σ i  outflow and inflows, each at its temperature Ti, over the mass of the gas, per unit of the clock. States are ν = 1/√M
-//! and z = 1/√T: a power of the pressure is one of their products, P V = (ν z)^−2, so that its ratio to the pressure outside
-//! takes no division, and one division, 1/(ν z w), gives all else. As in [`crate::general`] steps are longer than with √T, and
-//! the integrals of heat, enthalpy and work over a step are others than that of its states.
+//! and z = 1/√T: a power of the pressure is a power of their product, P V = (ν z)^−2, so that its ratio to the pressure outside needs
+//! no division, and one division, 1/(ν z w), gives all other quotients. As in [`crate::general`] steps are longer than with √T, and the
+//! integrals of heat, enthalpy and work over a step are independent of the integral of its states.
 //!
-//! The record shows P V of the hold, which may turn round: [`crate::own::turns`]. Where gas only flows out, P does not go from falling
-//! to rising: with q the heat's part of T'/T, P' = 0 where q = γ o; there T'/T = o, and q − γ o falls at the rate q o T/(Tw − T)
-//! for an orifice, whose o goes as √T, and q o (T/(Tw − T) − ½) for a gap, while T > Tw/3. Nor does T while P falls: where T' = 0,
-//! q rises with 1/√M and o falls with P. Gas that falls to the pressure outside is there warmer than the wall, and stays so below
-//! it and does not come back: what ends above has only lost gas.
+//! The reading is P V during the hold, which may turn: [`crate::own::turns`]. If gas only flows out, P does not change from falling to
+//! rising: with q the heat's part of T'/T, P' = 0 where q = γ o; there T'/T = o, and q − γ o falls at the rate q o T/(Tw − T) for an
+//! orifice, whose o is proportional to √T, and q o (T/(Tw − T) − ½) for a gap, while T > Tw/3. Nor does T while P falls: where T' = 0,
+//! q rises with 1/√M and o falls with P. Gas whose pressure falls to that outside is warmer than the wall there, stays so below it and
+//! does not return: a test that ends above has only lost gas.
 //!
 //! T in K, V in m³, M in J/K, energies over 1/(γ − 1).
 
@@ -36,17 +36,18 @@ use openings::Law;
 pub use openings::{GAP, Gap, ORIFICES, Orifice};
 use std::marker::PhantomData;
 
-/// Share of the gas that a choked orifice lets through over a push, up to which it is no corner of the push where its flow turns: the
-/// pressure passes that place so fast that results are the same, up to ten times this share at least, with a step fewer.
+/// The reversal of an orifice's flow counts as a corner of the push only if the orifice, choked, lets through more than this fraction of
+/// the gas over the push. Below it the pressure passes the reversal so fast that results are the same with one step fewer, up to ten
+/// times this fraction at least.
 const FAINT: f64 = 2e-3;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowTest<L> {
-    /// With half its heat exchange times √M.
+    /// With its heat exchange multiplied by √M/2.
     gas: SealedTest,
     constants: Constants,
-    /// Pressure at which the flow's turning is a corner of the push: that outside, or zero where it is none. Pa.
+    /// Pressure at which the flow reverses, if that is a corner of the push: that outside, else zero, Pa.
     turn: f64,
     /// ν and z at the start.
     start: [f64; 2],
@@ -84,7 +85,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
         Self { gas, constants, turn, start, law: PhantomData }
     }
 
-    /// By its pressures before the push, once its gas has cooled, and about where it was pushed to.
+    /// By the pressures before the push, after the gas has cooled, and approximately after the push.
     fn kind(s: &Scenario) -> u8 {
         let geometry = &s.chamber.geometry;
         let [volume, held_volume] = [s.initial_position_m, s.final_position_m].map(|x| geometry.volume(x));
@@ -108,13 +109,13 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
         &self.gas
     }
 
-    /// Whether there is gas at the start of the hold.
+    /// True if the chamber holds gas at the start of the hold.
     #[inline]
     fn goes_one_way(&self, states: &[f64; 2]) -> bool {
         states.iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
     }
 
-    /// Where gas has only flowed out.
+    /// True if gas has only flowed out.
     #[inline]
     fn falls_on(&self, states: &[f64; 2]) -> bool {
         let Constants { wall, passage, is_fed, .. } = self.constants;
@@ -143,7 +144,7 @@ impl<L: Law> OwnTest<2> for FlowTest<L> {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving<L> {
     gas: sealed::Moving,
@@ -214,7 +215,7 @@ impl<L: Law> LaneSystem<2> for Moving<L> {
     }
 }
 
-/// Tests, one a lane, while their pistons rest.
+/// Tests, one per lane, while their pistons rest.
 #[derive(Clone, Default)]
 pub struct Held<L> {
     gas: sealed::Held,
@@ -227,7 +228,7 @@ pub struct Held<L> {
 }
 
 impl<L: Law> Held<L> {
-    /// What there is in place of the geometry, over a volume that stays.
+    /// The factors for a constant volume.
     #[inline(always)]
     fn place<R: Real + From<Lanes>>(&self) -> PlaceFactors<R> {
         PlaceFactors {
@@ -239,7 +240,7 @@ impl<L: Law> Held<L> {
         }
     }
 
-    /// The K-th coefficients of the states from the earlier ones.
+    /// Computes the K-th coefficients of the states from the earlier ones.
     #[inline(always)]
     fn add_order<const K: usize>(&self, states: &mut [Series<4>; 2], length: Lanes) {
         let mut known = [Series::<K>::ZERO; 2];
@@ -253,7 +254,7 @@ impl<L: Law> Held<L> {
         }
     }
 
-    /// [`Holding::series`] by the law's branches in some states.
+    /// [`Holding::series`] with the law's branches in the states `side`.
     #[inline(always)]
     fn series_beside(&self, state: &[Lanes; 2], side: &[Lanes; 2], length: Lanes) -> [Lanes; 4] {
         let mut states = [Series::<4>::ZERO; 2];
@@ -311,7 +312,7 @@ impl<L: Law> Holding<2> for Held<L> {
 
     #[inline(always)]
     fn guess(&self, [_, end]: [&[Lanes; 2]; 2], _: Lanes) -> Guess {
-        // τ of what is left at last: a record that turns round is no exponential, and what fits it depends on the guess.
+        // τ at the end: a record that turns is no exponential, and its fit depends on the guess.
         Guess::TimeConstant((self.gas.exchange * 2.0 * end[0] * self.gas.wall).recip())
     }
 
@@ -325,14 +326,14 @@ impl<L: Law> Holding<2> for Held<L> {
         self.series_beside(state, state, length)
     }
 
-    /// By the branches that the law has in the middle.
+    /// With the law's branches in the middle of the step.
     #[inline(always)]
     fn within(&self, [begin, end]: [&[Lanes; 2]; 2], length: Lanes) -> Hermite {
         let mut middle = *begin;
         for i in 0..2 {
             middle[i] = (begin[i] + end[i]) * 0.5;
         }
-        // In code that there is once.
+        // A loop, to keep one copy of the code.
         let mut ends = [[Lanes::ZERO; 4]; 2];
         for (end, state) in ends.iter_mut().zip(black_box([begin, end])) {
             *end = black_box(self.series_beside(state, &middle, length));

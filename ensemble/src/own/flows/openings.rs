@@ -1,4 +1,4 @@
-//! Laws of the flow through an opening, over the mass of the gas: an orifice of ISO 6358 ([`iso6358`]), and a long narrow gap
+//! Laws of the flow through an opening, relative to the mass of the gas: an orifice of ISO 6358 ([`iso6358`]), and a long narrow gap
 //! (`laminar_leakage`). Pressures in Pa, temperatures in K, volumes in m³.
 
 use crate::lanes::Lanes;
@@ -6,23 +6,23 @@ use crate::scenario::Scenario;
 use chamber::effects::{Effect, EffectSet, LaminarLeakage, Leakage, SupplyLeakage, iso6358};
 use chamber::real::Real;
 
-/// What is on the other side of an opening, and how wide that is.
+/// An opening: the pressure outside and its width.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<R = f64> {
-    /// Pressure there, Pa. Of an opening that there is not, zero.
+    /// Pressure outside, Pa; zero if there is no opening.
     pub pressure: R,
-    /// What the flow is in proportion to: see the laws.
+    /// Factor of the flow: see the laws.
     pub width: R,
-    /// Critical pressure ratio, where the law has one.
+    /// Critical pressure ratio, if the law has one.
     pub critical_ratio: R,
 }
 
 impl<R: Real> Passage<R> {
-    /// None.
+    /// No opening.
     pub const NONE: Self = Self { pressure: R::ZERO, width: R::ZERO, critical_ratio: R::ZERO };
 }
 
-/// The gas at one moment.
+/// The gas at one time.
 pub struct GasInside<R> {
     /// √T and T.
     pub root: R,
@@ -33,27 +33,27 @@ pub struct GasInside<R> {
     pub ratio: R,
 }
 
-/// A law of the flow through an opening towards an outside at the surroundings' temperature, over the mass of the gas, the width
-/// and V^−[`Law::POWER`]: two factors, of which the first is the later to be known.
+/// A law of the flow through an opening to an outside at ambient temperature, relative to the mass of the gas, the width and
+/// V^−[`Law::POWER`]: two factors, of which the first takes longer to compute.
 pub trait Law: Copy + Default + Sync {
-    /// By which power of the volume its flow falls.
+    /// The flow is proportional to the volume to the power of minus this.
     const POWER: i32;
-    /// That opening of a scenario.
+    /// The opening of a scenario.
     fn passage(scenario: &Scenario) -> Passage;
     /// The flow out of the gas.
     fn outflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>) -> [R; 2];
-    /// The flow in, where 1/√T of the outside is `per_root_outside`.
+    /// The flow in, given 1/√T of the outside.
     fn inflow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, per_root_outside: R) -> [R; 2];
-    /// The flow in where `inward` is positive, else the flow out.
+    /// The flow in if `inward` is positive, else the flow out.
     #[inline(always)]
     fn flow<R: Real>(passage: &Passage<R>, gas: &GasInside<R>, inward: R, per_root_outside: R) -> [R; 2] {
         let (into, out) = (Self::inflow(passage, gas, per_root_outside), Self::outflow(passage, gas));
         [inward.where_positive(into[0], out[0]), inward.where_positive(into[1], out[1])]
     }
-    /// As [`LaneSystem::kink`](crate::integrator::step::LaneSystem::kink); where the flow turns it has one at the pressure `turn`.
+    /// As [`LaneSystem::kink`](crate::integrator::step::LaneSystem::kink); the flow reverses at the pressure `turn`.
     fn corner(passage: &Passage<Lanes>, turn: Lanes, from: Lanes, to: Lanes) -> Lanes;
-    /// A number that tests have in common whose flows go in the same way, by pressures of the gas, Pa: side by side they leave out
-    /// the same parts of the law.
+    /// A key that tests with flows in the same regimes have in common, by pressures of the gas, Pa: in neighbouring lanes they skip the
+    /// same parts of the law.
     fn kind(_: &Passage, _: [f64; 3]) -> u8 {
         0
     }
@@ -62,7 +62,7 @@ pub trait Law: Copy + Default + Sync {
 /// An orifice of ISO 6358 towards the surroundings or the supply: o = C ρ0 √T0 R √T ψ/V, [`iso6358`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Orifice;
-/// The effects that are such, of which a test has one.
+/// The effects of this kind, of which a test has one.
 pub const ORIFICES: [EffectSet; 2] = [Leakage::SET, SupplyLeakage::SET];
 
 impl Law for Orifice {
@@ -110,10 +110,10 @@ impl Law for Orifice {
     }
 }
 
-/// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or none: constant flows only.
+/// A long narrow gap, o = G P (1 − (Pamb/P)²)/(2 V), or no opening: constant flows only.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gap;
-/// The effect that is such.
+/// The effect of this kind.
 pub const GAP: EffectSet = LaminarLeakage::SET;
 
 impl Law for Gap {

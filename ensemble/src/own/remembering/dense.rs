@@ -1,6 +1,6 @@
-//! The temperature of the gas inside the steps of a hold: as d is a polynomial over a step ([`crate::conduction`]), so is its
-//! integral. From it follow when a test settles and the samples of its record. A hold goes one way while every mode is on the side
-//! of Tw on which the gas is of the surface: where T met the surface it would not move, but the surface would go back towards Tw.
+//! The gas temperature inside the steps of a hold: d is a polynomial over a step ([`crate::conduction`]), and so is its integral. It
+//! gives the settling time and the samples of the record. A hold is monotone while every mode has the sign of the gas temperature less
+//! that of the surface: if T met the surface it would not move, but the surface would return towards Tw.
 
 use crate::conduction::Keep;
 use crate::conduction::rule::{NODES, RULE};
@@ -13,14 +13,14 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// The last Legendre terms of T' over a step, times its length, as a share of the way of the whole hold, up to which T is good
-/// inside the step: a hundredth of this share or so is its error there, and a test settles at a hundredth of the way.
+/// Largest last Legendre terms of T' over a step, times its length, relative to the change over the whole hold, for which T is accurate
+/// inside the step: its error there is about a hundredth of this fraction, and a test settles at a hundredth of the change.
 const INSIDE: f64 = 1e-5;
 
-/// A step of all lanes; those that do not take it stay where they are.
+/// A step of all lanes; lanes that do not take it stay in place.
 #[derive(Clone, Copy)]
 pub struct Passed {
-    /// Time at its end, s from the start of the hold, and its length, s; of lanes that stay, zero.
+    /// Time at its end, s from the start of the hold, and its length, s, which is zero for lanes that stay.
     end: Lanes,
     length: Lanes,
     /// T at its start.
@@ -29,7 +29,7 @@ pub struct Passed {
     slopes: [Lanes; NODES],
 }
 
-/// Keeps all that is to be known of them.
+/// Keeps every step.
 impl Keep for Vec<Passed> {
     #[inline(always)]
     fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall) {
@@ -43,7 +43,7 @@ impl Keep for Vec<Passed> {
     }
 }
 
-/// T over the share of a step, in its powers.
+/// Coefficients of T in powers of the place in a step.
 struct Inside([Lanes; NODES + 1]);
 
 impl Passed {
@@ -73,8 +73,8 @@ impl Curve for Inside {
     }
 }
 
-/// Time from the start of holds, which go from one temperature to another, until they stay within 1 % of that way of its end, s; and
-/// 1 where T is good inside all steps.
+/// Computes the time from the start of holds between two temperatures until they stay within 1 % of the change of its end, s; and a
+/// number that is 1 if T is accurate inside all steps.
 pub struct Settle<'a> {
     pub steps: &'a [Passed],
     pub ends: [Lanes; 2],
@@ -112,16 +112,16 @@ impl WithSimd for Settle<'_> {
     }
 }
 
-/// Lays out their records, a part for each step; the answer is a guess of τ.
+/// Lays out the records, one part per step; returns a guess of τ.
 pub struct Record<'a> {
     pub steps: &'a [Passed],
     /// Length of the push, s.
     pub push: Lanes,
     /// P/T, Pa/K.
     pub per_temperature: Lanes,
-    /// 1/τ in front of a wall that does not warm, 1/s, and 1 − Tw/T at the start.
+    /// 1/τ for a wall that does not warm, 1/s, and 1 − Tw/T at the start.
     pub relaxation: [Lanes; 2],
-    /// Where the records go.
+    /// Receives the records.
     pub records: &'a mut Records,
 }
 
@@ -133,7 +133,7 @@ impl WithSimd for Record<'_> {
         let Self { steps, push, per_temperature, relaxation: [rate, excess], records } = self;
         records.begin_at(push);
         for step in steps {
-            // Results pass through memory: else the compiler computes them lane by lane.
+            // Passes through memory: otherwise the compiler computes lane by lane.
             let step = black_box(step);
             let end = black_box(push + step.end);
             if let Some(nodes) = records.nodes_up_to(end) {

@@ -1,6 +1,6 @@
-//! Tests whose wall remembers and that have no other effect, as they come: pushes by their own equations ([`push`]), holds as in
-//! [`crate::conduction`], and what is asked of them from the steps' polynomials ([`dense`]). Those whose hold may turn round, or that
-//! the steps do not do, are left to the way that looks for all places where a record turns.
+//! Tests with a conducting wall and no other effect: the push by specialised equations ([`push`]), the hold by [`crate::conduction`], and
+//! settling time and samples by the steps' polynomials ([`dense`]). Those whose hold may turn, or for which the steps do not suffice,
+//! are left to the general integrator, which finds all turns of a record.
 
 mod dense;
 mod push;
@@ -25,14 +25,14 @@ use pulp::{Simd, WithSimd};
 pub use push::EFFECT;
 use push::{Moving, N, Test};
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     tests: Vec<Test>,
     problems: Vec<Problem<N>>,
-    /// Numbers of the tests whose holds are still to be solved.
+    /// Indices of the tests whose holds are not solved yet.
     open: Vec<usize>,
-    /// Responses over the last steps of rows: most rows of a study are held equally long.
+    /// Responses over the last steps of the holds, which most rows of a study share.
     last: Box<Response<Lanes>>,
     steps: Vec<Passed>,
     records: Records,
@@ -43,7 +43,7 @@ fn temperature(state: &[f64; N]) -> f64 {
     1.0 / (state[0] * state[0])
 }
 
-/// Whether a hold from a state goes one way.
+/// Whether a hold from a state is monotone.
 fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
     let (temperature, modes) = (temperature(state), &state[1..]);
     let excess = modes.iter().zip(&KERNEL).fold(temperature - wall, |left, (mode, of)| left - mode * of.weight);
@@ -51,7 +51,6 @@ fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
 }
 
 impl Way for Memory {
-    /// Those are left that could not be solved in this way.
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         let Batch { arch, scenarios, options } = batch;
         let relative = relative(options);
@@ -82,7 +81,7 @@ impl Way for Memory {
     }
 }
 
-/// Ends tests, as many as there are lanes, from their pushes on, with steps of a level; where these do not do they stay open.
+/// Solves the holds of up to [`WIDTH`] tests with steps of a level; tests for which these do not suffice stay open.
 fn hold(
     Batch { arch, scenarios, options }: Batch,
     memory: &mut Memory,
@@ -133,7 +132,7 @@ fn hold(
     }
 }
 
-/// Holds, one a lane: temperatures at their ends, K, and whether they are good.
+/// Solves holds, one per lane: returns the temperatures at their ends, K, and whether they are good.
 struct FollowHolds<'a> {
     gas: GasAndWall,
     steps: HoldSteps<'a>,

@@ -1,11 +1,10 @@
-//! The push in front of a wall that remembers and nothing else, in lanes: beside the temperature of the gas, as in
-//! [`crate::own::sealed`], the modes of the wall are states, over their weights k. With the same clock, and the names of
-//! [`crate::conduction`],
+//! The push with a conducting wall and no other effect, in lanes: beside the gas temperature, as in [`crate::own::sealed`], the modes of
+//! the wall over their weights k are states. With the same clock, and the symbols of [`crate::conduction`],
 //!
 //! T'/T = q − 4 (γ − 1) w'/w,  q = c p (a1 w⁴ + a0) w (Ts − T),  Ts = Tw + Σ k y,  y' = f p w T (T − Ts) − μ p w³ y
 //!
-//! f is c m cv over the wall's effusivity, so that in the hold b is f/√V. The state of the gas is z = 1/√T, nearly even in the
-//! clock, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
+//! f is c m cv over the wall's effusivity, so that b is f/√V in the hold. The state of the gas is z = 1/√T, nearly linear in the clock,
+//! as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
 use crate::integrator::advance::LONGEST_OF_MOVE;
 use crate::integrator::problem::Problem;
@@ -20,7 +19,7 @@ use chamber::effects::{EffectSet, WallConduction};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// The effect on the gas, of those that there are, that such tests have.
+/// The only effect on the gas that such tests have.
 pub const EFFECT: EffectSet = WallConduction::SET;
 
 /// States: z, then the modes over their weights.
@@ -29,7 +28,7 @@ pub const N: usize = 1 + MODES;
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
-    /// The gas and its clock, with the wall's temperature where it does not warm.
+    /// The gas and its clock, for a wall that does not warm.
     pub gas: SealedTest,
     /// f.
     feed: f64,
@@ -55,7 +54,7 @@ impl Test {
         let (mut state, mut absolute) = ([0.0; N], [0.0; N]);
         state[0] = 1.0 / s.initial_temperature_k.sqrt();
         for mode in 0..MODES {
-            // The wall's surface to the same as the gas.
+            // The same tolerance for the wall's surface as for the gas.
             absolute[1 + mode] = relative * s.initial_temperature_k / KERNEL[mode].weight;
         }
         let mut push = Problem::new(s.push_time_s, state, absolute);
@@ -65,10 +64,10 @@ impl Test {
     }
 }
 
-/// Tests, one a lane, while their pistons move.
+/// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
-    /// With the wall's temperature where it does not warm.
+    /// For a wall that does not warm.
     gas: sealed::Moving,
     /// f p.
     feed: Lanes,
@@ -91,7 +90,7 @@ impl LaneSystem<N> for Moving {
         let per_both = (root * y[0]).recip();
         let (per_root, root_temperature) = (per_both * y[0], per_both * root);
         let temperature = root_temperature * root_temperature;
-        // In two sums, as each waits for the one before.
+        // In two sums, to shorten the dependency chain.
         let mut surface = [self.gas.wall, Lanes::ZERO];
         macro_rules! warm {
             ($($mode:literal)*) => {
@@ -106,7 +105,7 @@ impl LaneSystem<N> for Moving {
         let fading = -(self.gas.clock.pace_factor * (square * root));
         let mut slope = [y[0] * 0.5 * (work - heat); N];
         for mode in 0..MODES {
-            // Else the compiler puts modes side by side, not lanes.
+            // Otherwise the compiler vectorises across modes instead of lanes.
             let Mode { rate, .. } = *black_box(&KERNEL[mode]);
             slope[1 + mode] = multiply_add::<true>(fading * rate, y[1 + mode], drive);
         }
