@@ -1,8 +1,8 @@
 //! A batch of scenarios, and the features of a row that decide how it is solved.
 
-use crate::filter::Behind;
 use crate::instructions;
 use crate::scenario::{Options, Scenario, Solver};
+use crate::sensor::Sensor;
 use crate::sets;
 use chamber::AreaLaw;
 use chamber::effects::{self, EffectSet};
@@ -26,7 +26,7 @@ pub struct Features<'a> {
     pub active: EffectSet,
     pub of_gas: EffectSet,
     /// The sensor, if any of its effects is active.
-    pub behind: Option<Behind>,
+    pub sensor: Option<Sensor>,
     /// Whether there are no constant flows.
     pub is_sealed: bool,
     pub is_swept: bool,
@@ -47,7 +47,7 @@ impl<'a> Features<'a> {
             scenario,
             active,
             of_gas: sets::on_the_gas(active),
-            behind: (!shown.is_empty()).then(|| Behind::new(shown, &scenario.chamber.effects)),
+            sensor: (!shown.is_empty()).then(|| Sensor::new(shown, &scenario.chamber.effects)),
             is_sealed: scenario.is_sealed(),
             is_swept: scenario.chamber.geometry.area_law == AreaLaw::Swept,
             integrates: options.solver == Solver::Adaptive,

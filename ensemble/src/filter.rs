@@ -10,7 +10,6 @@
 
 use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
-use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -22,55 +21,6 @@ const UPWARDS: f64 = 8.0;
 const SERIES: usize = 36;
 /// Times after a kink, in time constants, at which a lagging record is cut so that polynomials describe the pieces.
 pub const CUTS: [f64; 9] = [0.7, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0, 30.0];
-
-/// A sensor, SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensor {
-    /// τ, s; zero for an instantaneous sensor.
-    pub lag: f64,
-    /// Constant error of the reading, Pa.
-    pub offset: f64,
-    /// Rate of the drift, Pa/s.
-    pub drift: f64,
-}
-
-impl Sensor {
-    /// The sensor of a chamber with the effects of a set, without the curve of its reading.
-    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        let set = set.intersection(effects::of_sensor());
-        if set.is_empty() {
-            return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
-        }
-        let shown = |time| values.reading(set, &[0.0; OWN_STATES], 0.0, time);
-        Self { lag: values.lag(set), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
-    }
-
-    /// What the sensor shows for a (lagged) pressure, Pa, at a time of the record, s.
-    pub fn shown(&self, reading: f64, time: f64) -> f64 {
-        reading + self.offset + self.drift * time
-    }
-}
-
-/// The sensor of one test, and the delay of its record.
-#[derive(Clone, Copy, Debug)]
-pub struct Behind {
-    /// Lag, offset and drift.
-    pub sensor: Sensor,
-    /// Delay of the record behind the gas, s.
-    pub delay: f64,
-}
-
-impl Behind {
-    /// The sensor and the delay of a chamber with the effects of a set.
-    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        Self { sensor: Sensor::new(set, values), delay: values.delay(set) }
-    }
-
-    /// Whether the record depends on earlier pressures.
-    pub fn looks_back(&self) -> bool {
-        self.sensor.lag > 0.0 || self.delay > 0.0
-    }
-}
 
 /// Computes the coefficients of a polynomial from its values.
 #[derive(Clone, Debug)]

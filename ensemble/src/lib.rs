@@ -48,6 +48,7 @@ mod plan;
 mod reader;
 mod regression;
 mod scenario;
+mod sensor;
 mod sets;
 
 pub use batch::CHUNK;

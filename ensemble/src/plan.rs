@@ -39,18 +39,10 @@ pub struct Plan {
     pub active: EffectSet,
     /// Stretches from the start to the end of the test.
     pub stretches: Vec<Stretch>,
-    /// End of the push, s.
-    pub push_end: f64,
-    /// End of the test, s.
-    pub duration: f64,
-    /// Delay of the record behind the gas, s.
-    pub delay: f64,
     /// Half-open range of the stretches that the record shows between the end of the push and the end of the test.
     pub window: [usize; 2],
     /// The first stretch after the push.
     pub hold: usize,
-    /// Whether the push increases the gas volume.
-    pub expands: bool,
     /// Whether it starts where its heat transfer law has no power series; the first clock is bent then.
     pub starts_singular: bool,
 }
@@ -101,8 +93,7 @@ impl Plan {
             let first = &mut stretches[0];
             first.clock = first.clock.bent(first.length);
         }
-        let expands = scenario.expands();
-        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands, starts_singular })
+        Ok(Self { active, stretches, window: [from, to], hold, starts_singular })
     }
 }
 

@@ -1,10 +1,7 @@
 //! The push-and-hold test, one row of a study, and the options of a run. SI units.
 
-use crate::sets;
 use chamber::Chamber;
 use chamber::balance::Boundary;
-use chamber::card::Balance;
-use chamber::effects::{self, EffectSet};
 
 /// The paper's push-and-hold test of one chamber: the piston moves from one position to another at constant velocity, then rests.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,12 +94,6 @@ impl Scenario {
     pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
         if self.expands() { a.min(b) } else { a.max(b) }
     }
-}
-
-/// Whether gas may enter or leave the chamber, given the active effects. Gas exchanged with a tube does not count.
-pub fn lets_gas_pass(active: EffectSet, s: &Scenario) -> bool {
-    let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
-    !s.is_sealed() || sets::on_the_gas(active).iter().any(passes)
 }
 
 /// The solution method.

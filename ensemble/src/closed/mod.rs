@@ -6,9 +6,9 @@ mod rows;
 mod test;
 
 use crate::batch::{Batch, Features};
-use crate::filter::Behind;
 use crate::outcome::Outcome;
 use crate::plan;
+use crate::sensor::Sensor;
 use chamber::effects::{self, EffectSet};
 
 /// Number of kinds: without effects that keep the closed form, or with some and one of two area laws; times without sensor effects, or
@@ -29,13 +29,14 @@ impl ClosedRows {
         let s = row.scenario;
         // A record delayed by more than the push or the hold shows other parts of the test.
         let shortest = s.push_time_s.min(s.hold_s());
-        let in_time = |b: Behind| plan::check_duration(s).is_err() || b.delay < shortest;
+        let in_time = |sensor: Sensor| plan::check_duration(s).is_err() || sensor.delay < shortest;
         let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)
-            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || readings::is_quick(&b, s)));
+            && row.sensor.is_none_or(|sensor| in_time(sensor) && (row.is_exact || readings::is_quick(&sensor, s)));
         let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
-        let shown = row.behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
+        let shown =
+            row.sensor.map_or(0, |sensor| 1 + usize::from(sensor.lag > 0.0) + 2 * usize::from(sensor.delay > 0.0));
         is_closed.then(|| &mut self.lists[gas + 3 * shown])
     }
 

@@ -7,7 +7,6 @@ use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
 use crate::ending::HoldsEnded;
-use crate::filter::Behind;
 use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
@@ -17,6 +16,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::regression::relaxing::{self, ENDS, Relaxing, STEEP_ENDS};
 use crate::regression::{Guess, Records, Regressions};
 use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use chamber::balance::Balances;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
@@ -70,8 +70,8 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
         // Only a sensor with a lag or a delay needs the pressure during the push.
-        let behind = (!shown.is_empty()).then(|| Behind::new(shown, &scenario(0).chamber.effects));
-        let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
+        let looks_back = Sensor::new(shown, &scenario(0).chamber.effects).looks_back();
+        let nodes = looks_back.then_some(&mut buffers.readings.nodes);
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
         let outcomes = if shown.is_empty() {
@@ -235,9 +235,9 @@ impl Solved<'_> {
         let Self { tests, ends } = *self;
         let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
-        let behind = |lane: usize| Behind::new(set, &scenario(lane).chamber.effects);
+        let sensor = |lane: usize| Sensor::new(set, &scenario(lane).chamber.effects);
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
-        let readings = Readings::new(arch, readings, tests, ends, behind, before);
+        let readings = Readings::new(arch, readings, tests, ends, sensor, before);
         let answers = readings.answers();
         let found = fit.then(|| {
             readings.lay_out(Lanes::from_fn(|lane| answers[lane].peak_time), records);
@@ -249,7 +249,7 @@ impl Solved<'_> {
             let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
             let gas = ended.ending(lane, scenario).outcome();
-            answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
+            answers[lane].outcome(scenario, regression, (wall[lane], &sensor(lane)), gas)
         })
     }
 }

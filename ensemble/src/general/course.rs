@@ -2,7 +2,6 @@
 
 use crate::batch::Batch;
 use crate::ending::AfterPush;
-use crate::filter::Sensor;
 use crate::general::equations::{self, General, Row};
 use crate::general::history::History;
 use crate::general::kind::Kind;
@@ -16,9 +15,11 @@ use crate::plan::{MOST_STRETCHES, Plan};
 use crate::reader::{self, Bends, Knot, RowAnswer, Traces, seen_from};
 use crate::regression::Regression;
 use crate::regression::fit;
-use crate::scenario::{Scenario, lets_gas_pass};
+use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use crate::sets;
 use chamber::balance::{Balances, ENERGY, MASS, STATES};
+use chamber::card::Balance;
 use chamber::effects::{self, EffectSet};
 use chamber::exact::Closed;
 use chamber::simulate::tolerance;
@@ -282,7 +283,7 @@ impl<'a> IntegratedRow<'a> {
 
     /// Adds its trace.
     fn trace(&self, history: &History, traces: &mut Traces<'a>) {
-        traces.begin(self.plan, self.sensor, self.bends, self.scenario.initial_pressure_pa);
+        traces.begin(self.scenario, self.plan, self.sensor, self.bends);
         if self.failure.is_some() {
             return;
         }
@@ -310,21 +311,22 @@ impl<'a> IntegratedRow<'a> {
 
     /// What is outstanding at the end of its record, given the gas pressure, Pa, and the final temperature of the wall, K.
     fn standing(&self, a: &RowAnswer, gas_pressure: f64, wall: f64) -> Standing {
-        let &Plan { duration, delay, .. } = self.plan;
-        let hold = self.scenario.hold_s();
+        let (duration, hold) = (self.scenario.duration_s, self.scenario.hold_s());
         let reading = self.sensor.shown(gas_pressure, duration);
         let to_be_lost =
             to_be_lost(gas_pressure * (1.0 - wall / a.temperature_final), -gas_pressure * a.pressure_rate * hold);
-        let to_come = if self.sensor.lag > 0.0 || delay > 0.0 {
+        let to_come = if self.sensor.looks_back() {
             a.pressure_final - self.bends.shown(self.sensor.shown(gas_pressure - to_be_lost, duration))
         } else {
             self.bends.change(reading, to_be_lost)
         };
-        let flows = lets_gas_pass(self.plan.active, self.scenario);
+        // Gas exchanged with a tube does not count.
+        let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
+        let flows = !self.scenario.is_sealed() || sets::on_the_gas(self.plan.active).iter().any(passes);
         let flowing = if flows { self.bends.change(reading, -gas_pressure * a.inflow * hold).abs() } else { 0.0 };
         let going_on = flowing + (self.sensor.drift * hold).abs();
         let distance = (a.pressure_peak - a.pressure_final).abs();
-        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs() && delay < hold;
+        let stands = a.settling == 0.0 && distance <= ROUNDING * a.pressure_final.abs() && self.sensor.delay < hold;
         Standing { distance, to_come: to_come.abs(), going_on, stands }
     }
 
@@ -342,7 +344,7 @@ impl<'a> IntegratedRow<'a> {
             settling_time_s,
             flows_on,
             energy_error: closure(self.initial[ENERGY], self.contents[ENERGY], self.energy[0], self.energy[1]),
-            duration_s: self.plan.duration,
+            duration_s: self.scenario.duration_s,
             exact: false,
             status: Ok(()),
         }

@@ -26,7 +26,7 @@ impl Kind {
         let by_integrals = row.is_wide && !row.integrates;
         if !row.is_sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
             Self::Open
-        } else if by_integrals && row.behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
+        } else if by_integrals && row.sensor.is_none() && relaxation::EFFECTS.contains(of_gas) {
             Self::Relaxing
         } else if by_integrals
             && remembering::EFFECTS.contains(of_gas)

@@ -46,7 +46,7 @@ impl Own {
     #[inline]
     pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let &Features { scenario: s, of_gas, is_sealed, integrates, is_wide, .. } = row;
-        if !is_wide || row.behind.is_some() {
+        if !is_wide || row.sensor.is_some() {
             return None;
         }
         Some(match of_gas {

@@ -7,6 +7,7 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::{ROUNDING, SETTLED};
 use crate::regression::samples::POINTS;
+use crate::scenario::Scenario;
 use chamber::real::Real;
 use pulp::Arch;
 
@@ -70,17 +71,18 @@ impl Traces<'_> {
         if all.is_empty() {
             return None;
         }
-        let (Trace { plan, bends, sensor, .. }, turns) = (&self.rows[row], &turns[of_row.clone()]);
+        let (Trace { scenario, bends, sensor, .. }, turns) = (&self.rows[row], &turns[of_row.clone()]);
+        let &&Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let sign = self.rows[row].sign();
         // The peak is at the start of the record, at the end of a piece or at a turn.
-        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, plan.push_end);
-        if plan.push_end < plan.delay {
-            let [begin, end] = [plan.push_end, plan.delay.min(plan.duration)].map(|time| self.before(row, time));
+        let (mut pressure, mut peak_time) = (f64::NEG_INFINITY, push_end);
+        if push_end < sensor.delay {
+            let [begin, end] = [push_end, sensor.delay.min(duration)].map(|time| self.before(row, time));
             pressure = sign * bends.shown(begin);
             for reading in bends.between(begin, end) {
                 let shown = sign * bends.shown(reading);
                 if shown > pressure {
-                    (pressure, peak_time) = (shown, plan.push_end + (reading - begin) / sensor.drift);
+                    (pressure, peak_time) = (shown, push_end + (reading - begin) / sensor.drift);
                 }
             }
         }
@@ -99,7 +101,7 @@ impl Traces<'_> {
         for turn in turns {
             look(&pieces[turn.piece], turn.answer[0], turn.answer[1]);
         }
-        let at_rest = || bends.shown(self.before(row, plan.duration));
+        let at_rest = || bends.shown(self.before(row, duration));
         let pressure_final = shown_pieces.last().map_or_else(at_rest, |last| last.shown[1]);
         let pressure_peak = sign * pressure.max(sign * pressure_final);
         let band = SETTLED * (pressure_peak - pressure_final).abs();
@@ -180,7 +182,7 @@ impl Traces<'_> {
             let segment = self.memory.pieces[job.piece].segment;
             let row = self.memory.segments[segment as usize].row as usize;
             if let Some(answer) = &mut answers[row] {
-                let settled = self.record_time(segment, job.answer[0]) - self.rows[row].plan.push_end;
+                let settled = self.record_time(segment, job.answer[0]) - self.rows[row].scenario.push_time_s;
                 answer.settling = settled.max(0.0);
             }
         }

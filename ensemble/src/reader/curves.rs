@@ -38,11 +38,11 @@ impl Traces<'_> {
             }
         }
         for row in 0..self.rows.len() {
-            let Trace { plan, sensor, before, .. } = self.rows[row];
+            let Trace { scenario, plan, sensor, .. } = self.rows[row];
             if sensor.lag == 0.0 {
                 continue;
             }
-            let mut reading = before;
+            let mut reading = scenario.initial_pressure_pa;
             for index in self.pieces_of(row) {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;

@@ -15,7 +15,7 @@ impl Traces<'_> {
         jobs.clear();
         let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
         for (row, answer) in answers.iter().enumerate() {
-            let push_end = samples::from(self.rows[row].plan.push_end);
+            let push_end = samples::from(self.rows[row].scenario.push_time_s);
             let after = answer.map(|answer| samples::from(answer.peak_time).max(push_end));
             firsts.push(after);
             let Some(after) = after.filter(|after| *after > push_end) else { continue };
@@ -80,7 +80,7 @@ impl Traces<'_> {
             let Some(first) = firsts[row] else { continue };
             self.samples_before(row, first, &mut befores[row]);
             let mut first = first + befores[row].iter().map(|part| part.samples.count).sum::<f64>();
-            let end = samples::after(self.rows[row].plan.duration);
+            let end = samples::after(self.rows[row].scenario.duration_s);
             for index in self.pieces_of(row) {
                 let piece = &self.memory.pieces[index];
                 let elapsed = self.record_time(piece.segment, 0.0);

@@ -3,10 +3,12 @@
 
 use super::bends::{Bends, Straight};
 use super::interpolant::{Knot, Stencils};
-use crate::filter::{CUTS, Sensor, TERMS, ToPowers};
+use crate::filter::{CUTS, TERMS, ToPowers};
 use crate::plan::{Plan, Stretch};
 use crate::regression::Records;
 use crate::regression::samples::POINTS;
+use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use std::ops::Range;
 
 /// Indices of pressure and temperature in a view.
@@ -16,17 +18,16 @@ pub const TEMPERATURE: usize = 1;
 /// The trace of a row: the knots of each of its segments from [`Traces::begin`] on.
 #[derive(Clone, Copy, Debug)]
 pub struct Trace<'a> {
+    pub scenario: &'a Scenario,
     pub plan: &'a Plan,
     pub sensor: Sensor,
     pub bends: Bends<'a>,
-    /// Pressure of the gas before the test, Pa.
-    pub before: f64,
 }
 
 impl Trace<'_> {
     /// 1 if peaks are maxima, −1 if they are minima: for an expansion.
     pub fn sign(&self) -> f64 {
-        if self.plan.expands { -1.0 } else { 1.0 }
+        if self.scenario.expands() { -1.0 } else { 1.0 }
     }
 
     /// Cuts a segment, given by its index, stretch and knots, into pieces.
@@ -165,9 +166,9 @@ impl<'a> Traces<'a> {
         Self { rows: Vec::new(), memory }
     }
 
-    /// Begins the trace of a row; `before` is the pressure before the test, Pa.
-    pub fn begin(&mut self, plan: &'a Plan, sensor: Sensor, bends: Bends<'a>, before: f64) {
-        self.rows.push(Trace { plan, sensor, bends, before });
+    /// Begins the trace of a row.
+    pub fn begin(&mut self, scenario: &'a Scenario, plan: &'a Plan, sensor: Sensor, bends: Bends<'a>) {
+        self.rows.push(Trace { scenario, plan, sensor, bends });
     }
 
     /// Adds a stretch of that row; `fill` appends its knots.
@@ -215,7 +216,7 @@ impl<'a> Traces<'a> {
                     shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
             }
-            let reading = pieces.get(begin).map_or(row.before, |first| first.shown[0]);
+            let reading = pieces.get(begin).map_or(row.scenario.initial_pressure_pa, |first| first.shown[0]);
             cut.push(Cut { all: begin..pieces.len(), begin: reading, shown, turns: 0..0 });
         }
     }
@@ -227,7 +228,7 @@ impl<'a> Traces<'a> {
 
     /// Reading of a row at a time of the record, s, at which it still shows the gas before the test, Pa.
     pub fn before(&self, row: usize, time: f64) -> f64 {
-        self.rows[row].sensor.shown(self.rows[row].before, time)
+        self.rows[row].sensor.shown(self.rows[row].scenario.initial_pressure_pa, time)
     }
 
     /// Time of the record, s, at a time of a segment.

@@ -2,11 +2,11 @@
 //! end. A record is monotone between corners.
 
 use super::hold::{BehindLag, HoldRecord, Relaxation};
-use super::sensors::Sensors;
 use super::shown::Piece;
 use crate::closed::test::Tests;
 use crate::lanes::Lanes;
 use crate::outcome::{ROUNDING, SETTLED};
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -43,7 +43,7 @@ impl Turn {
 pub struct TurnBehind<'a> {
     pub gas: &'a Relaxation,
     pub behind: &'a BehindLag,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub times: [Lanes; 2],
 }
 
@@ -142,7 +142,7 @@ impl WithSimd for Events<'_> {
 /// method has converged.
 pub struct Enter<'a> {
     pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub found: &'a FoundEvents,
 }
 

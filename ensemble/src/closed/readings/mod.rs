@@ -13,25 +13,23 @@ mod pieces;
 mod push;
 mod records;
 mod samples;
-mod sensors;
 mod shown;
 
 pub use records::{Memory, Readings};
 
 use crate::closed::test::{Ends, Tests};
-use crate::filter::Behind;
 use crate::lanes::{Lanes, WIDTH};
 use crate::look::{Look, Question};
 use crate::outcome::{Outcome, ROUNDING, Standing};
 use crate::regression::Regression;
 use crate::regression::fit;
 use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
 use pieces::{Build, HoldPieces};
 use pulp::Arch;
-use sensors::Sensors;
 use shown::Piece;
 
 /// Number of relaxations in the push up to which a lagging or delayed record is read from the closed form.
@@ -52,8 +50,8 @@ pub struct RecordAnswer {
 
 /// Whether the closed form is the faster method for the reading of a sealed test. With a lag or a delay the push is read in parts,
 /// whose number, time and memory grow with the ratio of push to relaxation.
-pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
-    if !behind.looks_back() {
+pub fn is_quick(sensor: &Sensor, scenario: &Scenario) -> bool {
+    if !sensor.looks_back() {
         return true;
     }
     let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
@@ -67,15 +65,15 @@ pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
 }
 
 impl RecordAnswer {
-    /// The outcome, from that of the gas; `behind` is the sensor.
+    /// The outcome, from that of the gas, given the wall temperature, K, and the sensor.
     pub fn outcome(
         &self,
         s: &Scenario,
         regression: Option<Regression>,
-        (wall, behind): (f64, &Behind),
+        (wall, sensor): (f64, &Sensor),
         gas: Outcome,
     ) -> Outcome {
-        let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
+        let (settling_time_s, flows_on) = self.standing(s, wall, sensor, &gas).judge(self.settling);
         Outcome {
             pressure_peak_pa: self.peak,
             pressure_final_pa: self.last,
@@ -87,16 +85,16 @@ impl RecordAnswer {
     }
 
     /// What is outstanding at the end of the record.
-    fn standing(&self, s: &Scenario, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
+    fn standing(&self, s: &Scenario, wall: f64, sensor: &Sensor, gas: &Outcome) -> Standing {
         let distance = (self.peak - self.last).abs();
         let cooled = wall / gas.temperature_final_k;
-        let to_come = if behind.looks_back() {
-            (self.last - behind.sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
+        let to_come = if sensor.looks_back() {
+            (self.last - sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
         } else {
             gas.pressure_final_pa * (1.0 - cooled).abs()
         };
         let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
-        let going_on = (behind.sensor.drift * s.hold_s()).abs();
+        let going_on = (sensor.drift * s.hold_s()).abs();
         Standing { distance, to_come, going_on, stands }
     }
 }
@@ -109,7 +107,7 @@ impl<'a> Readings<'a> {
         memory: &'a mut Memory,
         tests: &'a Tests,
         ends: &Ends,
-        behind: impl Fn(usize) -> Behind,
+        sensor: impl Fn(usize) -> Sensor,
         before: Lanes,
     ) -> Self {
         let wall = tests.closed.ambient_temperature;
@@ -120,20 +118,20 @@ impl<'a> Readings<'a> {
         };
         let [mut lag, mut delay, mut offset, mut drift] = [Lanes::ZERO; 4];
         for lane in 0..WIDTH {
-            let Behind { sensor, delay: by } = behind(lane);
-            (lag[lane], delay[lane], drift[lane]) = (sensor.lag, by, sensor.drift);
-            offset[lane] = sensor.shown(0.0, tests.push[lane]);
+            let one = sensor(lane);
+            (lag[lane], delay[lane], drift[lane]) = (one.lag, one.delay, one.drift);
+            offset[lane] = one.shown(0.0, tests.push[lane]);
         }
-        let sensors = Sensors { lag, delay, offset, drift };
+        let sensors = Sensor { lag, delay, offset, drift };
         memory.pieces.clear();
         memory.polynomials.clear();
         memory.in_push = 0;
         let hold = HoldRecord { gas, behind: None };
         let mut readings = Self { arch, tests, memory, hold, sensors, duration: tests.hold };
-        if sensors.lag() || sensors.are_late() {
+        if sensors.lags() || sensors.is_late() {
             arch.dispatch(Build { readings: &mut readings, before });
         }
-        if !sensors.lag() {
+        if !sensors.lags() {
             readings.add_hold();
         }
         readings.find_turns();

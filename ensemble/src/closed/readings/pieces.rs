@@ -3,11 +3,11 @@
 use super::hold::{BehindLag, HoldRecord};
 use super::push::PushPressure;
 use super::records::{Memory, Readings};
-use super::sensors::Sensors;
 use super::shown::{Piece, Polynomial};
 use crate::filter::{Lagged, TERMS, ToPowers};
 use crate::lanes::{Lanes, each_lane};
 use crate::numerics::root::Curve;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -40,10 +40,10 @@ impl WithSimd for Build<'_, '_> {
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
         // Time of the gas that the record shows at the end of the push.
         let first = -sensors.delay;
-        if sensors.lag() {
+        if sensors.lags() {
             writer.reading = black_box(pushed.behind(sensors.lag, first, self.before));
         }
-        if sensors.are_late() {
+        if sensors.is_late() {
             let begin = pushed.share(first)[0];
             let left = Lanes::ONE - begin;
             let fine = tests.parts * left * PIECES_OF_A_PART as f64;
@@ -55,7 +55,7 @@ impl WithSimd for Build<'_, '_> {
                 if !(to - from).any_positive() {
                     continue;
                 }
-                if sensors.lag() {
+                if sensors.lags() {
                     writer.add_behind(&pushed, [from, to]);
                 } else {
                     let next = black_box(pushed.shown(to));
@@ -66,7 +66,7 @@ impl WithSimd for Build<'_, '_> {
             }
             *in_push = writer.pieces.len();
         }
-        if sensors.lag() {
+        if sensors.lags() {
             let HoldRecord { gas, behind } = hold;
             let behind = black_box(behind.insert(BehindLag::new(*gas, sensors.lag, writer.reading)));
             let begin = gas.at_rest / (Lanes::ONE - gas.excess);
@@ -107,7 +107,7 @@ pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, cou
 /// Appends pieces.
 struct Writer<'a> {
     to_powers: &'a ToPowers,
-    sensors: &'a Sensors,
+    sensors: &'a Sensor<Lanes>,
     /// Reading at the end of the last piece of the push, Pa.
     reading: Lanes,
     pieces: &'a mut Vec<Piece>,
@@ -132,7 +132,7 @@ impl Writer<'_> {
     /// Appends a piece between two times of the gas, with the readings there without offset and drift.
     #[inline(always)]
     fn push(&mut self, times: [Lanes; 2], readings: [Lanes; 2], slopes: [Lanes; 2]) {
-        let Sensors { delay, drift, .. } = *self.sensors;
+        let Sensor { delay, drift, .. } = *self.sensors;
         let times = [times[0] + delay, times[1] + delay];
         let shown = [readings[0] + self.sensors.beside(times[0]), readings[1] + self.sensors.beside(times[1])];
         let slopes = [slopes[0] + drift, slopes[1] + drift];
@@ -143,7 +143,7 @@ impl Writer<'_> {
 /// Appends the pieces of the hold between its turns, for sensors without a lag.
 pub struct HoldPieces<'a> {
     pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub corners: [Lanes; 4],
     pub pieces: &'a mut Vec<Piece>,
 }

@@ -5,12 +5,12 @@
 //! a short lag needs two windows beside the parts of the push, not steps of the length of the lag. If a window contains the whole
 //! push, its nodes are those of the parts.
 
-use super::sensors::Sensors;
 use crate::closed::test::Tests;
 use crate::filter;
 use crate::lanes::Lanes;
 use crate::numerics::gauss::{NODES, Panel, RULE, node};
 use crate::numerics::root::Curve;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 
@@ -37,13 +37,13 @@ pub struct PushPressure<'a> {
 impl<'a> PushPressure<'a> {
     /// Positive if the nodes are sufficient.
     #[inline(always)]
-    fn by_nodes(tests: &Tests, sensors: &Sensors) -> Lanes {
-        if sensors.are_late() { Lanes::ZERO } else { sensors.lag * WINDOWS[1][0] - tests.push }
+    fn by_nodes(tests: &Tests, sensors: &Sensor<Lanes>) -> Lanes {
+        if sensors.is_late() { Lanes::ZERO } else { sensors.lag * WINDOWS[1][0] - tests.push }
     }
 
     /// Computes 1/T along the parts of the push from 1/T at their nodes, if these sensors need it.
     #[inline(always)]
-    pub fn panels(tests: &Tests, sensors: &Sensors, nodes: &[[Lanes; NODES]], panels: &mut Vec<Panel<Lanes>>) {
+    pub fn panels(tests: &Tests, sensors: &Sensor<Lanes>, nodes: &[[Lanes; NODES]], panels: &mut Vec<Panel<Lanes>>) {
         panels.clear();
         if Self::by_nodes(tests, sensors).where_positive(Lanes::ZERO, Lanes::ONE).any_positive() {
             for values in nodes {
@@ -54,7 +54,12 @@ impl<'a> PushPressure<'a> {
 
     /// The pressure from 1/T at the nodes of the parts and, if [`PushPressure::panels`] has computed it, along them.
     #[inline(always)]
-    pub fn new(tests: &'a Tests, sensors: &Sensors, nodes: &'a [[Lanes; NODES]], panels: &'a [Panel<Lanes>]) -> Self {
+    pub fn new(
+        tests: &'a Tests,
+        sensors: &Sensor<Lanes>,
+        nodes: &'a [[Lanes; NODES]],
+        panels: &'a [Panel<Lanes>],
+    ) -> Self {
         let by_nodes = Self::by_nodes(tests, sensors);
         let [root, end] = [tests.from.sqrt(), tests.to.sqrt()];
         let (per_sum, per_push) = ((root + end).recip(), tests.push.recip());

@@ -2,12 +2,12 @@
 
 use super::events::Turn;
 use super::hold::HoldRecord;
-use super::sensors::Sensors;
 use super::shown::{Piece, Polynomial, Push, Shown};
 use crate::closed::test::Tests;
 use crate::filter::ToPowers;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::{NODES, Panel};
+use crate::sensor::Sensor;
 use pulp::Arch;
 
 /// Working memory, kept from one group to the next.
@@ -32,7 +32,7 @@ pub struct Readings<'a> {
     pub tests: &'a Tests,
     pub memory: &'a mut Memory,
     pub hold: HoldRecord,
-    pub sensors: Sensors,
+    pub sensors: Sensor<Lanes>,
     pub duration: Lanes,
 }
 
@@ -45,7 +45,7 @@ impl Readings<'_> {
         let pushed = Lanes::from_fn(|lane| if piece[lane] < *in_push { 1.0 } else { 0.0 });
         let any_pushed = piece.iter().any(|piece| *piece < *in_push);
         let push = any_pushed.then(|| {
-            if !self.sensors.lag() {
+            if !self.sensors.lags() {
                 return Push::Gas(self.tests, nodes, panels);
             }
             let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];

@@ -69,7 +69,7 @@ impl WithSimd for Sample<'_, '_> {
         }
         // Not the pieces of the hold, which reach from turn to turn.
         let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
-        let ends: &[Lanes] = if sensors.lag() {
+        let ends: &[Lanes] = if sensors.lags() {
             &hold_ends::<PIECES_BEHIND_A_LAG>(rate, sensors.lag, length, Lanes::from(PIECES_BEHIND_A_LAG as f64))
         } else {
             let slowness = rate.recip();

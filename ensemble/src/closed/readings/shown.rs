@@ -2,12 +2,12 @@
 
 use super::hold::HoldRecord;
 use super::push::PushPressure;
-use super::sensors::Sensors;
 use crate::closed::test::Tests;
 use crate::filter::{Lagged, TERMS};
 use crate::lanes::Lanes;
 use crate::numerics::gauss::{NODES, Panel};
 use crate::numerics::root::Curve;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 
 /// Smallest length to divide by, s.
@@ -42,7 +42,7 @@ pub struct Shown<'a> {
     /// The pieces of the push, if there are any.
     pub push: Option<Push<'a>>,
     pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
 }
 
 /// Pieces of the push, one per lane.
