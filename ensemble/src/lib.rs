@@ -8,16 +8,16 @@
 //! | sealed, no effects | the closed form | `closed::rows` |
 //! | effects that keep the closed form | the closed form with other constants, or with a modified integrand | `closed::kept` |
 //! | either of these, read by a sensor with effects | the same, filtered | `closed::readings` |
-//! | sealed, integrator requested | one equation | `own::sealed` |
-//! | wall heating only | two equations; their Taylor series in the hold | `own::walled` |
-//! | decaying turbulence only | two equations | `own::stirred` |
-//! | empirical heat flow as a function of pressure only | one equation | `own::heated` |
-//! | one leak, or constant flows with at most one leak | two equations | `own::flows` |
-//! | natural convection only, gas on one side of the wall's temperature | two equations; a series in the hold | `own::convective` |
-//! | wall conduction only | gas and wall modes; collocation in the hold | `own::remembering` |
+//! | sealed, integrator requested | one equation | `systems::sealed` |
+//! | wall heating only | two equations; their Taylor series in the hold | `systems::wall_heating` |
+//! | decaying turbulence only | two equations | `systems::decaying_turbulence` |
+//! | empirical heat flow as a function of pressure only | one equation | `systems::empirical_heat_flow` |
+//! | one leak, or constant flows with at most one leak | two equations | `systems::flows` |
+//! | natural convection only, gas on one side of the wall's temperature | two equations; a series in the hold | `systems::natural_convection` |
+//! | wall conduction only | gas and wall modes; collocation in the hold | `systems::wall_conduction` |
 //! | any other | mass, energy and the effects' states, by code compiled for its set of effects if there is any | `general` |
 //! | of these: tight, effects without states | integral over temperature in the hold | `general::relaxation` |
-//! | of these: tight, wall conduction beside effects that keep the closed form | collocation in the hold | `general::remembering` |
+//! | of these: tight, wall conduction beside effects that keep the closed form | collocation in the hold | `general::wall_conduction` |
 //!
 //! `Kernel::add` chooses the path. Without wide instructions (`instructions`) every row without a closed form takes the last three.
 //!
@@ -40,16 +40,16 @@ mod general;
 mod instructions;
 mod integrator;
 pub mod lanes;
-mod look;
 mod numerics;
 mod outcome;
-mod own;
 mod plan;
+mod query;
 mod reader;
 mod regression;
 mod scenario;
 mod sensor;
 mod sets;
+mod systems;
 
 pub use batch::CHUNK;
 pub use general::compiled::has_code_of_its_own;
@@ -61,7 +61,7 @@ use batch::{Batch, Features};
 use chamber::effects::EffectSet;
 use closed::ClosedRows;
 use general::GeneralRows;
-use own::Own;
+use systems::Systems;
 
 /// Writes the outcome of each scenario to the same index: [`Kernel::run`] with temporary working memory.
 ///
@@ -76,7 +76,7 @@ pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut 
 pub struct Kernel {
     instructions: InstructionSet,
     closed: ClosedRows,
-    own: Own,
+    systems: Systems,
     general: GeneralRows,
 }
 
@@ -107,7 +107,7 @@ impl Kernel {
                 *out = Outcome::failed(reason);
             }
         }
-        for list in self.own.lists() {
+        for list in self.systems.lists() {
             for row in list.solve(batch, out) {
                 if let Err(reason) = self.general.add(row, set, &Features::of(&scenarios[row as usize], batch)) {
                     out[row as usize] = Outcome::failed(reason);
@@ -125,7 +125,7 @@ impl Kernel {
             rows
         } else if features.is_exact {
             return Err(Failure::NoExactSolution);
-        } else if let Some(rows) = self.own.rows_like(features) {
+        } else if let Some(rows) = self.systems.rows_like(features) {
             rows
         } else {
             return self.general.add(row, set, features);

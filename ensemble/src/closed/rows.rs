@@ -265,7 +265,7 @@ struct ExactHold<const FUSED: bool, const STEEP: bool> {
 impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> {
     const ENDS: &'static [f64] = if STEEP { &STEEP_ENDS } else { &ENDS };
     type Knot = Lanes;
-    type Course<'a> = &'a Self;
+    type Trajectory<'a> = &'a Self;
 
     #[inline(always)]
     fn knot(&self, relaxations: f64) -> Lanes {
@@ -278,7 +278,7 @@ impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> 
     }
 
     #[inline(always)]
-    fn course(&self, _: [&Lanes; 2]) -> &Self {
+    fn trajectory(&self, _: [&Lanes; 2]) -> &Self {
         self
     }
 }

@@ -1,9 +1,9 @@
 //! The sets of effects that the integrator is compiled for, and the choice of one for a row.
 
-use super::course;
 use super::equations::{ASKED, AT_RUN_TIME, TIGHT, states};
+use super::integration;
 use super::kind::Kind;
-use super::{relaxation, remembering};
+use super::{relaxation, wall_conduction};
 use crate::batch::Batch;
 use crate::instructions;
 use crate::outcome::Outcome;
@@ -20,9 +20,9 @@ macro_rules! compiled_sets {
         const COMPILED: &[u32] = &[$($bits),*];
 
         /// Integrates rows of one kind and area law, with the effects of a set.
-        pub fn course(
+        pub fn integrate(
             batch: Batch,
-            memory: &mut course::Memory,
+            memory: &mut integration::Memory,
             set: EffectSet,
             kind: Kind,
             rows: &[(u32, Plan)],
@@ -31,17 +31,17 @@ macro_rules! compiled_sets {
             // The sensor is a filter of the pressure and takes no part in the integration.
             let set = on_the_gas(set);
             let set = if kind.is_tight() { set.intersection(effects::KEEP_THE_MASS) } else { set };
-            let set = if kind == Kind::Remembering { set.intersection(remembering::EFFECTS) } else { set };
+            let set = if kind == Kind::WallConduction { set.intersection(wall_conduction::EFFECTS) } else { set };
             match compiled_for(set, kind.is_tight()) {
                 $(Some(bits) if bits == const { $bits } && instructions::is_wide(batch.arch) => {
                     const BITS: u32 = $bits;
-                    course::run::<{ states(BITS) }, BITS>(batch, memory, set, kind, rows, out)
+                    integration::run::<{ states(BITS) }, BITS>(batch, memory, set, kind, rows, out)
                 })*
                 // Unit tests cover the parts. The kernel takes longest to compile and is tested as built: `tests/batches/`.
                 #[cfg(test)]
                 _ => unreachable!("the unit tests solve no batches"),
                 #[cfg(not(test))]
-                _ => course::run::<STATES, AT_RUN_TIME>(batch, memory, set, kind, rows, out),
+                _ => integration::run::<STATES, AT_RUN_TIME>(batch, memory, set, kind, rows, out),
             }
         }
     };
@@ -69,7 +69,7 @@ compiled_sets![
     TIGHT | ASKED | relaxation::EFFECTS.bits(),
     TIGHT | GasZones::SET.bits(),
     TIGHT | ASKED | on_the_gas_with(effects::MANY).intersection(effects::KEEP_THE_MASS).bits(),
-    TIGHT | ASKED | remembering::EFFECTS.bits(),
+    TIGHT | ASKED | wall_conduction::EFFECTS.bits(),
     Leakage::SET.bits() | SupplyLeakage::SET.bits() | LaminarLeakage::SET.bits() | ASKED,
     TubeVolume::SET.bits(),
     WallHeating::SET.bits() | ASKED,

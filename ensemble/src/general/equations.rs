@@ -121,7 +121,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         }
     }
 
-    /// Whether its rows have a conducting wall, so that [`crate::general::remembering`] solves their holds.
+    /// Whether its rows have a conducting wall, so that [`crate::general::wall_conduction`] solves their holds.
     pub const REMEMBERS: bool = BITS != AT_RUN_TIME && EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
     /// Indices of the energy and of the first mode of such a wall among its states.
     pub fn places_of_wall() -> [usize; 2] {

@@ -1,6 +1,6 @@
 //! Kinds of integrated rows, which are solved separately.
 
-use super::{relaxation, remembering};
+use super::{relaxation, wall_conduction};
 use crate::batch::Features;
 use chamber::effects;
 
@@ -13,12 +13,12 @@ pub enum Kind {
     Tight,
     /// Tight, and temperature is the only state of the hold: see [`relaxation`].
     Relaxing,
-    /// Tight, and temperature and the modes of a conducting wall are the only states of the hold: see [`remembering`].
-    Remembering,
+    /// Tight, and temperature and the modes of a conducting wall are the only states of the hold: see [`wall_conduction`].
+    WallConduction,
 }
 
 impl Kind {
-    pub const ALL: [Self; 4] = [Self::Open, Self::Tight, Self::Relaxing, Self::Remembering];
+    pub const ALL: [Self; 4] = [Self::Open, Self::Tight, Self::Relaxing, Self::WallConduction];
 
     /// The kind of a row.
     pub fn of(row: &Features) -> Self {
@@ -29,10 +29,10 @@ impl Kind {
         } else if by_integrals && row.sensor.is_none() && relaxation::EFFECTS.contains(of_gas) {
             Self::Relaxing
         } else if by_integrals
-            && remembering::EFFECTS.contains(of_gas)
+            && wall_conduction::EFFECTS.contains(of_gas)
             && !of_gas.intersection(effects::REMEMBERING).is_empty()
         {
-            Self::Remembering
+            Self::WallConduction
         } else {
             Self::Tight
         }
@@ -40,6 +40,6 @@ impl Kind {
 
     /// Whether no gas enters or leaves.
     pub fn is_tight(self) -> bool {
-        matches!(self, Self::Tight | Self::Relaxing | Self::Remembering)
+        matches!(self, Self::Tight | Self::Relaxing | Self::WallConduction)
     }
 }

@@ -1,14 +1,14 @@
 //! Rows with any effects by the integrator: the general equations ([`equations`]), compiled for common sets of effects
-//! ([`compiled`]), integrated stretch by stretch ([`course`]).
+//! ([`compiled`]), integrated stretch by stretch ([`integration`]).
 
 pub mod compiled;
-mod course;
 pub mod equations;
 pub mod history;
+mod integration;
 mod kind;
 mod relaxation;
-pub mod relaxing_rows;
-mod remembering;
+pub mod relaxation_rows;
+mod wall_conduction;
 
 use crate::batch::{Batch, Features};
 use crate::outcome::{Failure, Outcome};
@@ -21,7 +21,7 @@ use kind::Kind;
 pub struct GeneralRows {
     /// Indices of the rows, and their plans.
     lists: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
-    memory: course::Memory,
+    memory: integration::Memory,
 }
 
 impl GeneralRows {
@@ -35,7 +35,7 @@ impl GeneralRows {
     /// Solves all rows and empties the lists.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         for (number, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-            compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);
+            compiled::integrate(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);
             rows.clear();
         }
     }

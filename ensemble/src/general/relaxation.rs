@@ -304,8 +304,8 @@ impl Relaxing for Held<'_> {
     const IS_LONG: bool = true;
     /// Relaxations, their time, and the end of the part: the end of the hold in lanes with fewer relaxations.
     type Knot = [Lanes; 3];
-    type Course<'a>
-        = Course<'a>
+    type Trajectory<'a>
+        = Trajectory<'a>
     where
         Self: 'a;
 
@@ -322,20 +322,20 @@ impl Relaxing for Held<'_> {
     }
 
     #[inline(always)]
-    fn course(&self, ends: [&[Lanes; 3]; 2]) -> Course<'_> {
+    fn trajectory(&self, ends: [&[Lanes; 3]; 2]) -> Trajectory<'_> {
         let [[low, from, _], [high, to, _]] = [*ends[0], *ends[1]];
-        Course { held: self, relaxations: [low, high], times: [from, to] }
+        Trajectory { held: self, relaxations: [low, high], times: [from, to] }
     }
 }
 
 /// Pressure between two knots.
-struct Course<'a> {
+struct Trajectory<'a> {
     held: &'a Held<'a>,
     relaxations: [Lanes; 2],
     times: [Lanes; 2],
 }
 
-impl Curve for Course<'_> {
+impl Curve for Trajectory<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         let Self { held, relaxations: [low, high], times: [from, to] } = self;

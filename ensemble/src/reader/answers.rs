@@ -4,8 +4,8 @@ use super::curves::Prompt;
 use super::interpolant::Knot;
 use super::traces::{Cut, Job, Memory, TEMPERATURE, Trace, TracePiece, Traces};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question};
 use crate::outcome::{ROUNDING, SETTLED};
+use crate::query::{Query, Question};
 use crate::regression::samples::POINTS;
 use crate::scenario::Scenario;
 use chamber::real::Real;
@@ -160,7 +160,7 @@ impl Traces<'_> {
                 })
             });
             let reading = Prompt { inside, gain: Lanes::ONE, offset: Lanes::ZERO, drift: Lanes::ZERO };
-            let found = Look { reading, times, question: Question::Turn }.answer(arch);
+            let found = Query { reading, times, question: Question::Turn }.answer(arch);
             for (lane, &(segment, _)) in group.iter().enumerate() {
                 let row = self.memory.segments[segment as usize].row;
                 if let Some(answer) = &mut answers[row as usize] {

@@ -4,8 +4,8 @@ use super::interpolant::{Interpolant, Stencils};
 use super::traces::{Job, LaggedPiece, PRESSURE, Trace, Traces};
 use crate::filter::{Lagged, ToPowers, kept};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question, Reading};
 use crate::numerics::root::Curve;
+use crate::query::{Query, Question, Reading};
 use crate::regression::samples::POINTS;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
@@ -89,10 +89,10 @@ impl Traces<'_> {
                     let lagged = Lagged { pressure, begin, stiffness };
                     let from = Lanes::from_fn(|lane| lag(lane).from);
                     let reading = Lagging { lagged, from, per_length: length.recip(), gain, offset, drift };
-                    Look { reading, times, question }.answer(arch)
+                    Query { reading, times, question }.answer(arch)
                 } else {
                     let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-                    Look { reading: Prompt { inside, gain, offset, drift }, times, question }.answer(arch)
+                    Query { reading: Prompt { inside, gain, offset, drift }, times, question }.answer(arch)
                 };
                 for (lane, &job) in group.iter().enumerate() {
                     jobs[job as usize].answer = answer.map(|answer| answer[lane]);

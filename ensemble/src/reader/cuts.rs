@@ -3,7 +3,7 @@
 
 use super::bends::Straight;
 use super::traces::{Job, Memory, TracePiece, Traces};
-use crate::look::Question;
+use crate::query::Question;
 use crate::regression::samples::POINTS;
 use pulp::Arch;
 

@@ -3,7 +3,7 @@
 use super::answers::RowAnswer;
 use super::traces::{Cut, Job, Memory, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::Question;
+use crate::query::Question;
 use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::regression::{Guess, RecordPart, Regression};
 use pulp::Arch;

@@ -24,12 +24,12 @@ pub const SLOWING_ENDS: &[f64] =
 pub trait Relaxing {
     /// Ends of the parts of the record, in relaxations.
     const ENDS: &'static [f64] = &ENDS;
-    /// Whether the code of a [`Relaxing::Course`] is too long for several copies.
+    /// Whether the code of a [`Relaxing::Trajectory`] is too long for several copies.
     const IS_LONG: bool = false;
     /// Data at the end of a part.
     type Knot: Copy;
     /// Pressure along a part, Pa, as a function of the time since the push, s.
-    type Course<'a>: Curve
+    type Trajectory<'a>: Curve
     where
         Self: 'a;
     /// The knot after a number of relaxations, or at the end of a hold that has fewer.
@@ -37,7 +37,7 @@ pub trait Relaxing {
     /// Time of a knot since the push, s.
     fn time(knot: &Self::Knot) -> Lanes;
     /// The pressure between two knots.
-    fn course(&self, ends: [&Self::Knot; 2]) -> Self::Course<'_>;
+    fn trajectory(&self, ends: [&Self::Knot; 2]) -> Self::Trajectory<'_>;
 }
 
 /// Lays out the records of tests, given the durations of their pushes and of the whole tests, s.
@@ -49,11 +49,11 @@ pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records:
         let end = black_box(relaxing.knot(*end));
         let until = black_box((push + R::time(&end)).min(duration));
         if let Some(nodes) = records.nodes_up_to(until) {
-            let course = relaxing.course([&begin, &end]);
+            let trajectory = relaxing.trajectory([&begin, &end]);
             let mut pressure = [Lanes::ZERO; POINTS];
             for k in 0..if R::IS_LONG { black_box(POINTS) } else { POINTS } {
                 let since = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push;
-                pressure[k] = black_box(course.at(since));
+                pressure[k] = black_box(trajectory.at(since));
             }
             records.push(&nodes, &pressure);
         }

@@ -19,8 +19,8 @@ pub use records::{Memory, Readings};
 
 use crate::closed::test::{Ends, Tests};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question};
 use crate::outcome::{Outcome, ROUNDING, Standing};
+use crate::query::{Query, Question};
 use crate::regression::Regression;
 use crate::regression::fit;
 use crate::scenario::Scenario;
@@ -177,7 +177,7 @@ impl<'a> Readings<'a> {
             let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
             if open.contains(&true) {
                 let [times, values, ..] =
-                    Look { times: reading.times, reading, question: Question::Turn }.answer(*arch);
+                    Query { times: reading.times, reading, question: Question::Turn }.answer(*arch);
                 for lane in (0..WIDTH).filter(|lane| open[*lane]) {
                     (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
                 }
@@ -205,7 +205,7 @@ impl<'a> Readings<'a> {
         if !closed.iter().all(|closed| *closed) {
             let reading = self.gather(|lane| found.piece[lane] as usize);
             let question = Question::Enter { between, value: last, band };
-            let [searched, ..] = Look { times: reading.times, reading, question }.answer(self.arch);
+            let [searched, ..] = Query { times: reading.times, reading, question }.answer(self.arch);
             for lane in (0..WIDTH).filter(|lane| !closed[*lane]) {
                 settled[lane] = searched[lane];
             }

@@ -4,8 +4,8 @@ use super::pieces::hold_ends;
 use super::records::{Memory, Readings};
 use super::shown::{Piece, Push, Shown};
 use crate::lanes::Lanes;
-use crate::look::{Look, Question};
 use crate::numerics::root::Curve;
+use crate::query::{Query, Question};
 use crate::regression::Records;
 use crate::regression::relaxing::ENDS;
 use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ};
@@ -33,7 +33,7 @@ impl Readings<'_> {
             };
             let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
             let reading = self.gather(holds);
-            Look { times: reading.times, reading, question }.answer(self.arch)[0]
+            Query { times: reading.times, reading, question }.answer(self.arch)[0]
         });
         Lanes::from_fn(|lane| {
             let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };

@@ -1,5 +1,5 @@
 //! Tests with natural convection alone and the port closed, in lanes: the heat transfer coefficient is proportional to a power of the
-//! temperature difference. The equation of [`crate::own::sealed`] has the additional factor u = |(T − Tw)/20 K|^n, which is a state
+//! temperature difference. The equation of [`crate::systems::sealed`] has the additional factor u = |(T − Tw)/20 K|^n, which is a state
 //! beside T, so that the rates need no power. While the piston moves,
 //!
 //! dT/ds = T (q u − 4 (γ − 1) w'/w),  du/ds = n u/(T − Tw) dT/ds,  q = c p (a1 w⁴ + a0) w (Tw − T)
@@ -23,12 +23,12 @@ use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::math;
 use crate::lanes::{Lanes, WIDTH};
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::{Holding, OwnTest};
 use crate::plan::starts_singular;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::effects::natural_convection::{REFERENCE_DIFFERENCE_K, SMALLEST_DIFFERENCE_K};
 use chamber::effects::{EffectSet, NaturalConvection};
 use chamber::real::Real;
@@ -45,7 +45,7 @@ const MAY_ERR: f64 = 100.0;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
-pub struct ConvectiveTest {
+pub struct NaturalConvectionTest {
     gas: SealedTest,
     /// n.
     pub exponent: f64,
@@ -74,7 +74,7 @@ pub fn stays_on_a_side(s: &Scenario) -> bool {
     if above == 0.0 { widening != 0.0 } else { above * widening < 0.0 && !starts_singular(EFFECTS, s) }
 }
 
-impl OwnTest<2> for ConvectiveTest {
+impl TestSystem<2> for NaturalConvectionTest {
     const HAS_ANOTHER_WAY: bool = true;
     const LONGEST: f64 = LONGEST;
     type Moving = Moving;
@@ -126,7 +126,7 @@ impl OwnTest<2> for ConvectiveTest {
 }
 
 /// The pushes of tests, one per lane.
-fn pushes(tests: &[ConvectiveTest], problems: &[Problem<2>]) -> Pushes {
+fn pushes(tests: &[NaturalConvectionTest], problems: &[Problem<2>]) -> Pushes {
     let at = |lane: usize| lane.min(tests.len() - 1);
     let gas = |lane: usize| &tests[at(lane)].gas;
     let mut clock = Clock::default();
@@ -158,10 +158,10 @@ fn power(difference: Lanes, exponent: Lanes) -> Lanes {
 }
 
 impl LaneSystem<2> for Moving {
-    type Row = ConvectiveTest;
+    type Row = NaturalConvectionTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &ConvectiveTest) {
+    fn load(&mut self, lane: usize, test: &NaturalConvectionTest) {
         self.gas.load(lane, &test.gas);
         self.exponent[lane] = test.exponent;
         self.begun[lane] = test.begun;
@@ -199,10 +199,10 @@ pub struct Held {
 }
 
 impl LaneSystem<2> for Held {
-    type Row = ConvectiveTest;
+    type Row = NaturalConvectionTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &ConvectiveTest) {
+    fn load(&mut self, lane: usize, test: &NaturalConvectionTest) {
         self.gas.load(lane, &test.gas);
         self.exponent[lane] = test.exponent;
     }

@@ -6,14 +6,14 @@ use crate::integrator::problem::Steps;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::{Beyond, root};
 use crate::outcome::SETTLED;
-use crate::own::test::{Holding, Within};
-use crate::own::turns::Turns;
+use crate::systems::test_system::{Holding, Within};
+use crate::systems::turns::Turns;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Time from the start of the hold until the reading, which changes from `begin` to `end`, stays within 1 % of that change of its end,
 /// s. `log` contains the tests' steps at the indices `steps`.
-pub fn settling<const N: usize, H: Holding<N>>(
+pub fn times<const N: usize, H: Holding<N>>(
     arch: Arch,
     system: &H,
     log: &[Attempted<N>],

@@ -1,4 +1,4 @@
-//! The push with a conducting wall and no other effect, in lanes: beside the gas temperature, as in [`crate::own::sealed`], the modes of
+//! The push with a conducting wall and no other effect, in lanes: beside the gas temperature, as in [`crate::systems::sealed`], the modes of
 //! the wall over their weights k are states. With the same clock, and the symbols of [`crate::conduction`],
 //!
 //! T'/T = q − 4 (γ − 1) w'/w,  q = c p (a1 w⁴ + a0) w (Ts − T),  Ts = Tw + Σ k y,  y' = f p w T (T − Ts) − μ p w³ y
@@ -10,10 +10,10 @@ use crate::integrator::advance::LONGEST_OF_MOVE;
 use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::OwnTest;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::TestSystem;
 use chamber::effects::wall_conduction::{KERNEL, MODES, Mode};
 use chamber::effects::{EffectSet, WallConduction};
 use chamber::real::Real;
@@ -39,7 +39,7 @@ pub struct Test {
 impl Test {
     /// From a checked scenario.
     pub fn new(s: &Scenario) -> Self {
-        let gas = <SealedTest as OwnTest<1>>::new(s);
+        let gas = <SealedTest as TestSystem<1>>::new(s);
         let [lateral, _] = s.chamber.geometry.area_constants();
         let coefficient = gas.closed.exchange[0] / lateral;
         let inverse_effusivity = s.chamber.effects.of(WallConduction::PLACE)[0];

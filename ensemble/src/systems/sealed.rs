@@ -13,14 +13,14 @@
 use crate::integrator::clock::Clock;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
-use crate::own::gas::SealedTest;
-use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::exact::Closed;
 use chamber::real::Real;
 
-impl OwnTest<1> for SealedTest {
+impl TestSystem<1> for SealedTest {
     type Moving = Moving;
     type Held = Held;
 

@@ -1,4 +1,4 @@
-//! The paper's model with the port closed and decaying turbulence, in lanes: beside the gas temperature, as in [`crate::own::sealed`],
+//! The paper's model with the port closed and decaying turbulence, in lanes: beside the gas temperature, as in [`crate::systems::sealed`],
 //! the factor f = 1 + k u of the heat transfer coefficient is a state. With the same clock,
 //!
 //! dT/ds = T (f q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  df/ds = (1 + k |ẋ| − f) p w³/τ
@@ -8,11 +8,11 @@
 
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::effects::{self, DecayingTurbulence, EffectSet};
 use chamber::real::Real;
 
@@ -26,13 +26,13 @@ fn turbulence(scenario: &Scenario) -> [f64; 2] {
 }
 
 /// Whether there is turbulence that raises the heat transfer and decays.
-pub fn is_stirred(scenario: &Scenario) -> bool {
+pub fn has_turbulence(scenario: &Scenario) -> bool {
     turbulence(scenario).iter().all(|value| *value > 0.0)
 }
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
-pub struct StirredTest {
+pub struct TurbulenceTest {
     gas: SealedTest,
     /// 1 + k |ẋ|, the limit of f while the piston moves.
     steady: f64,
@@ -40,7 +40,7 @@ pub struct StirredTest {
     decay: f64,
 }
 
-impl OwnTest<2> for StirredTest {
+impl TestSystem<2> for TurbulenceTest {
     type Moving = Moving;
     type Held = Held;
 
@@ -72,10 +72,10 @@ pub struct Moving {
 }
 
 impl LaneSystem<2> for Moving {
-    type Row = StirredTest;
+    type Row = TurbulenceTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &StirredTest) {
+    fn load(&mut self, lane: usize, test: &TurbulenceTest) {
         self.gas.load(lane, &test.gas);
         self.steady[lane] = test.steady;
         self.decay[lane] = test.decay * test.gas.clock.pace_factor;
@@ -103,10 +103,10 @@ pub struct Held {
 }
 
 impl LaneSystem<2> for Held {
-    type Row = StirredTest;
+    type Row = TurbulenceTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &StirredTest) {
+    fn load(&mut self, lane: usize, test: &TurbulenceTest) {
         self.gas.load(lane, &test.gas);
         self.decay[lane] = test.decay;
     }

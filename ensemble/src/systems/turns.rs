@@ -11,7 +11,7 @@ use crate::integrator::step::View;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::hermite::Hermite;
 use crate::numerics::root::{Curve, root};
-use crate::own::test::{Holding, OwnTest, Within};
+use crate::systems::test_system::{Holding, TestSystem, Within};
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -45,8 +45,8 @@ impl Turns {
 }
 
 /// Finds the turns of holds, given the states at both ends. `sign` is 1 if peaks are maxima, −1 if they are minima; `log` contains the
-/// tests' steps at the indices `steps`. Those that keep falling ([`OwnTest::falls_on`]) are not searched.
-pub fn find<const N: usize, T: OwnTest<N>>(
+/// tests' steps at the indices `steps`. Those that keep falling ([`TestSystem::falls_on`]) are not searched.
+pub fn find<const N: usize, T: TestSystem<N>>(
     arch: Arch,
     system: &T::Held,
     log: &[Attempted<N>],

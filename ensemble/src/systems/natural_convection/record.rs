@@ -53,8 +53,8 @@ impl Relaxing for Held<'_> {
     const ENDS: &'static [f64] = relaxing::SLOWING_ENDS;
     const IS_LONG: bool = true;
     type Knot = HoldMoment;
-    type Course<'a>
-        = Course<'a>
+    type Trajectory<'a>
+        = Trajectory<'a>
     where
         Self: 'a;
 
@@ -73,7 +73,7 @@ impl Relaxing for Held<'_> {
     }
 
     #[inline(always)]
-    fn course(&self, [begin, end]: [&HoldMoment; 2]) -> Course<'_> {
+    fn trajectory(&self, [begin, end]: [&HoldMoment; 2]) -> Trajectory<'_> {
         let way = end.time - begin.time;
         // Lanes in which both knots coincide have no samples there.
         let way = way.where_positive(way, Lanes::ONE);
@@ -85,7 +85,7 @@ impl Relaxing for Held<'_> {
         let length = logarithm / beta;
         let ends = black_box([begin.over(length, beta, Lanes::ONE), end.over(length, beta, pace)]);
         let relaxations = black_box(Hermite::new(ends[0], ends[1]));
-        Course { held: self, begin: begin.time, way, beta, per_logarithm: logarithm.recip(), relaxations }
+        Trajectory { held: self, begin: begin.time, way, beta, per_logarithm: logarithm.recip(), relaxations }
     }
 }
 
@@ -120,7 +120,7 @@ impl HoldMoment {
 }
 
 /// The pressure between two knots.
-pub struct Course<'a> {
+pub struct Trajectory<'a> {
     held: &'a Held<'a>,
     /// Time at its start, and length, s.
     begin: Lanes,
@@ -131,7 +131,7 @@ pub struct Course<'a> {
     relaxations: Hermite,
 }
 
-impl Curve for Course<'_> {
+impl Curve for Trajectory<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         // Nodes without weight may lie anywhere.
@@ -164,11 +164,11 @@ mod tests {
             let mut begin = held.knot(0.0);
             for relaxations in relaxing::SLOWING_ENDS {
                 let end = held.knot(*relaxations);
-                let course = held.course([&begin, &end]);
+                let trajectory = held.trajectory([&begin, &end]);
                 for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
                     let [from, to] = [&begin, &end].map(|knot| Held::time(knot)[3]);
                     let time = Lanes::from(from + (to - from) * share);
-                    let (found, expected) = (course.at(time)[3], ends.series.temperature(ends.series.after(time))[3]);
+                    let (found, expected) = (trajectory.at(time)[3], ends.series.temperature(ends.series.after(time))[3]);
                     let allowed = 1e-7 * (from - to).abs().min(1.0).max((pushed[3] - wall[3]).abs());
                     prop_assert!((found - expected).abs() < allowed, "{relaxations} {share}: {found} {expected}");
                 }

@@ -1,4 +1,4 @@
-//! The interface of tests with specialised equations to [`adaptive`](crate::own::adaptive): their equations, one test per lane, while the
+//! The interface of tests with specialised equations to [`adaptive`](crate::systems::adaptive): their equations, one test per lane, while the
 //! piston moves and while it rests, and the reading as a function of their states.
 
 use crate::integrator::advance::LONGEST_OF_MOVE;
@@ -6,19 +6,19 @@ use crate::integrator::problem::Problem;
 use crate::integrator::step::LaneSystem;
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
-use crate::own::gas::SealedTest;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Tests with N states and a reading that is proportional to the pressure during the hold. By default the port is closed, the root of
 /// the temperature is the first state, the temperature is the reading, and holds are monotone.
-pub trait OwnTest<const N: usize>: Sized {
+pub trait TestSystem<const N: usize>: Sized {
     /// Whether unsolved tests are left to the general integrator.
     const HAS_ANOTHER_WAY: bool = false;
-    /// Whether holds can turn: see [`crate::own::turns`].
+    /// Whether holds can turn: see [`crate::systems::turns`].
     const TURNS: bool = false;
     /// Longest step through a hold, relative to it: needed for the sums over samples if nothing else limits the change of the record in
     /// a step.
@@ -82,7 +82,7 @@ pub trait OwnTest<const N: usize>: Sized {
     fn at_rest(&self, pushed: [f64; N]) -> [f64; N] {
         pushed
     }
-    /// Whether the hold is monotone after a push that ends in these states, or turns at most as [`OwnTest::TURNS`] allows.
+    /// Whether the hold is monotone after a push that ends in these states, or turns at most as [`TestSystem::TURNS`] allows.
     #[inline]
     fn goes_one_way(&self, _: &[f64; N]) -> bool {
         true
@@ -100,7 +100,7 @@ pub trait Holding<const N: usize>: LaneSystem<N> {
     const IS_LONG: bool = false;
     /// A guess of the paper's exponential for a hold between two states that begins at a time of the test, s.
     fn guess(&self, ends: [&[Lanes; N]; 2], begin: Lanes) -> Guess;
-    /// Reading in a state, in the unit of [`OwnTest::start_reading`].
+    /// Reading in a state, in the unit of [`TestSystem::start_reading`].
     #[inline(always)]
     fn reading<R: Real>(states: &[R; N]) -> R {
         states[0] * states[0]

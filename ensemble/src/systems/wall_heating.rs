@@ -1,5 +1,5 @@
 //! The paper's model with the port closed and a wall that the gas warms and the surroundings cool, in lanes: beside the gas temperature,
-//! as in [`crate::own::sealed`], the wall temperature is a state. With the same clock,
+//! as in [`crate::systems::sealed`], the wall temperature is a state. With the same clock,
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  dTw/ds = −r T q + g p w³ (Tamb − Tw)
 //! r = m cv/C_w,  g = G/C_w
@@ -15,11 +15,11 @@
 use crate::integrator::expansion::Expansion;
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::{Lanes, multiply_add};
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::effects::{self, EffectSet, WallHeating};
 use chamber::real::Real;
 use core::hint::black_box;
@@ -29,7 +29,7 @@ pub const EFFECTS: EffectSet = WallHeating::SET;
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
-pub struct WalledTest {
+pub struct WallHeatingTest {
     gas: SealedTest,
     /// r.
     share: f64,
@@ -50,7 +50,7 @@ pub fn has_wall(scenario: &Scenario) -> bool {
     wall(scenario)[0] > 0.0
 }
 
-impl OwnTest<2> for WalledTest {
+impl TestSystem<2> for WallHeatingTest {
     const HAS_ANOTHER_WAY: bool = true;
     type Moving = Moving;
     type Held = Held;
@@ -97,10 +97,10 @@ pub struct Moving {
 }
 
 impl LaneSystem<2> for Moving {
-    type Row = WalledTest;
+    type Row = WallHeatingTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &WalledTest) {
+    fn load(&mut self, lane: usize, test: &WallHeatingTest) {
         self.gas.load(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling * test.gas.clock.pace_factor;
@@ -182,11 +182,11 @@ impl Held {
 }
 
 impl LaneSystem<2> for Held {
-    type Row = WalledTest;
+    type Row = WallHeatingTest;
     const BY_SERIES: bool = true;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &WalledTest) {
+    fn load(&mut self, lane: usize, test: &WallHeatingTest) {
         self.gas.load(lane, &test.gas);
         self.share[lane] = test.share;
         self.cooling[lane] = test.cooling;

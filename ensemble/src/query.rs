@@ -39,7 +39,7 @@ pub enum Question {
 }
 
 /// A query on a part of one curve per lane.
-pub struct Look<R> {
+pub struct Query<R> {
     /// Data of the curve.
     pub reading: R,
     /// Begin and end of the part.
@@ -61,7 +61,7 @@ impl<C: Curve> Curve for Turning<'_, C> {
     }
 }
 
-impl<R: Reading> Look<R> {
+impl<R: Reading> Query<R> {
     /// The answer: time and value of a turn, time of entry into a band, or values. Not inlined, to keep one copy of the code.
     #[inline(never)]
     pub fn answer(self, arch: Arch) -> [Lanes; POINTS] {
@@ -69,7 +69,7 @@ impl<R: Reading> Look<R> {
     }
 }
 
-impl<R: Reading> WithSimd for Look<R> {
+impl<R: Reading> WithSimd for Query<R> {
     type Output = [Lanes; POINTS];
 
     #[inline(always)]

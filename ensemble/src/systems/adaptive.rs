@@ -1,5 +1,5 @@
 //! Adaptive integration of tests with specialised equations, in lanes: all pushes of a chunk, then all holds, then their outcomes. Holds
-//! are monotone, or turn once on the way from the peak ([`crate::own::turns`]). Others are left to the general integrator, which finds
+//! are monotone, or turn once on the way from the peak ([`crate::systems::turns`]). Others are left to the general integrator, which finds
 //! all turns of a record.
 
 use crate::batch::Batch;
@@ -11,11 +11,11 @@ use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::LaneSystem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
-use crate::own::finish;
-use crate::own::list::Way;
-use crate::own::test::{Holding, OwnTest, Within};
-use crate::own::turns;
 use crate::regression::{Guess, Records};
+use crate::systems::list::Way;
+use crate::systems::settling;
+use crate::systems::test_system::{Holding, TestSystem, Within};
+use crate::systems::turns;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
@@ -65,7 +65,7 @@ impl<const N: usize> StepEnd<N> {
 }
 
 /// Replaces the tests by those of `rows` and integrates their pushes.
-pub fn push<const N: usize, T: OwnTest<N>>(
+pub fn push<const N: usize, T: TestSystem<N>>(
     Batch { arch, scenarios, options }: Batch,
     rows: &[u32],
     tests: &mut Vec<T>,
@@ -84,7 +84,7 @@ pub fn push<const N: usize, T: OwnTest<N>>(
     advance(arch, &T::Moving::default(), tests, problems, relative, &mut Nobody);
 }
 
-impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
+impl<const N: usize, T: TestSystem<N>> Way for Memory<N, T> {
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[*row as usize]));
         run(batch, self, rows, left, out);
@@ -92,7 +92,7 @@ impl<const N: usize, T: OwnTest<N>> Way for Memory<N, T> {
 }
 
 /// Solves tests whose numbers are checked.
-fn run<const N: usize, T: OwnTest<N>>(
+fn run<const N: usize, T: TestSystem<N>>(
     batch: Batch,
     memory: &mut Memory<N, T>,
     rows: &[u32],
@@ -140,7 +140,7 @@ fn run<const N: usize, T: OwnTest<N>>(
         });
         // Gas without effects approaches the wall's temperature; with a warming wall, a heat flow or flows it may stay warm.
         let at_end = T::HAS_ANOTHER_WAY.then(|| turns::seen(arch, &system, &end_state));
-        let settling = finish::settling(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
+        let settling = settling::times(arch, &system, log, &steps, turns.as_ref(), [begin, end]);
         let regression = options.fit.then(|| {
             knots.clear();
             knots.push(StepEnd { time: Lanes::ZERO, state });

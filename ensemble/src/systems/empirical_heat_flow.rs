@@ -1,5 +1,5 @@
 //! The paper's model with the port closed and an additional heat flow that is a function of the pressure, in lanes: an
-//! [`empirical`](chamber::effects::empirical) curve of that kind. With the clock of [`crate::own::sealed`],
+//! [`empirical`](chamber::effects::empirical) curve of that kind. With the clock of [`crate::systems::sealed`],
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w) + y(P) p w³/(m cv),  q = c p (a1 w⁴ + a0) w (Tw − T),  P = m R T/w⁴
 //! y(P) = y0 + Σ b max(P − P_k, 0)
@@ -10,11 +10,11 @@
 use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::effects::empirical::{Hinges, KNOTS};
 use chamber::effects::{EffectSet, Empirical};
 use chamber::real::Real;
@@ -29,20 +29,20 @@ fn heat_flow(scenario: &Scenario) -> Option<Hinges> {
 }
 
 /// Whether the empirical curve is a heat flow as a function of pressure.
-pub fn is_heated(scenario: &Scenario) -> bool {
+pub fn has_heat_flow(scenario: &Scenario) -> bool {
     heat_flow(scenario).is_some()
 }
 
 /// One test.
 #[derive(Clone, Copy, Debug)]
-pub struct HeatedTest {
+pub struct HeatFlowTest {
     gas: SealedTest,
     heat_flow: Hinges,
     /// 1/(m cv), K/J.
     per_capacity: f64,
 }
 
-impl OwnTest<1> for HeatedTest {
+impl TestSystem<1> for HeatFlowTest {
     const HAS_ANOTHER_WAY: bool = true;
     type Moving = Moving;
     type Held = Held;
@@ -88,7 +88,7 @@ impl Default for Source {
 impl Source {
     /// Loads a test into a lane, multiplied by `factor`.
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &HeatedTest, factor: f64, per_temperature: f64) {
+    fn load(&mut self, lane: usize, test: &HeatFlowTest, factor: f64, per_temperature: f64) {
         let (to, from, factor) = (&mut self.warming, &test.heat_flow, test.per_capacity * factor);
         to.first[lane] = from.first * factor;
         for k in 0..KNOTS {
@@ -132,10 +132,10 @@ pub struct Moving {
 }
 
 impl LaneSystem<1> for Moving {
-    type Row = HeatedTest;
+    type Row = HeatFlowTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &HeatedTest) {
+    fn load(&mut self, lane: usize, test: &HeatFlowTest) {
         self.gas.load(lane, &test.gas);
         self.source.load(lane, test, test.gas.clock.pace_factor, test.gas.closed.mass_gas_constant);
     }
@@ -197,10 +197,10 @@ impl Held {
 }
 
 impl LaneSystem<1> for Held {
-    type Row = HeatedTest;
+    type Row = HeatFlowTest;
 
     #[inline(always)]
-    fn load(&mut self, lane: usize, test: &HeatedTest) {
+    fn load(&mut self, lane: usize, test: &HeatFlowTest) {
         self.gas.load(lane, &test.gas);
         self.source.load(lane, test, 1.0, test.gas.pressure_per_temperature());
     }

@@ -1,4 +1,4 @@
-//! The paper's model with gas that leaves or enters, in lanes: beside the gas temperature, as in [`crate::own::sealed`], the mass is a
+//! The paper's model with gas that leaves or enters, in lanes: beside the gas temperature, as in [`crate::systems::sealed`], the mass is a
 //! state. With the same clock and M = m R,
 //!
 //! T'/T = c √M p (a1 w⁴ + a0) w (Tw − T)/√M − 4 (γ − 1) w'/w − (γ − 1) o + Σ i (γ Ti/T − 1),  M'/M = Σ i − o
@@ -8,7 +8,7 @@
 //! no division, and one division, 1/(ν z w), gives all other quotients. As in [`crate::general`] steps are longer than with √T, and the
 //! integrals of heat, enthalpy and work over a step are independent of the integral of its states.
 //!
-//! The reading is P V during the hold, which may turn: [`crate::own::turns`]. If gas only flows out, P does not change from falling to
+//! The reading is P V during the hold, which may turn: [`crate::systems::turns`]. If gas only flows out, P does not change from falling to
 //! rising: with q the heat's part of T'/T, P' = 0 where q = γ o; there T'/T = o, and q − γ o falls at the rate q o T/(Tw − T) for an
 //! orifice, whose o is proportional to √T, and q o (T/(Tw − T) − ½) for a gap, while T > Tw/3. Nor does T while P falls: where T' = 0,
 //! q rises with 1/√M and o falls with P. Gas whose pressure falls to that outside is warmer than the wall there, stays so below it and
@@ -24,11 +24,11 @@ use crate::integrator::step::{LaneSystem, Moment, View};
 use crate::lanes::Lanes;
 use crate::numerics::hermite::Hermite;
 use crate::numerics::series::Series;
-use crate::own::gas::SealedTest;
-use crate::own::sealed;
-use crate::own::test::{Holding, OwnTest};
 use crate::regression::Guess;
 use crate::scenario::Scenario;
+use crate::systems::gas::SealedTest;
+use crate::systems::sealed;
+use crate::systems::test_system::{Holding, TestSystem};
 use chamber::real::Real;
 use core::hint::black_box;
 use equations::{Constants, PlaceFactors, State, energy};
@@ -54,7 +54,7 @@ pub struct FlowTest<L> {
     law: PhantomData<L>,
 }
 
-impl<L: Law> OwnTest<2> for FlowTest<L> {
+impl<L: Law> TestSystem<2> for FlowTest<L> {
     const HAS_ANOTHER_WAY: bool = true;
     const TURNS: bool = true;
     const LONGEST: f64 = LONGEST;

@@ -5,8 +5,8 @@ use crate::ending::AfterPush;
 use crate::general::equations::{self, General, Row};
 use crate::general::history::History;
 use crate::general::kind::Kind;
-use crate::general::relaxing_rows;
-use crate::general::remembering;
+use crate::general::relaxation_rows;
+use crate::general::wall_conduction;
 use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch, advance};
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::View;
@@ -66,8 +66,8 @@ pub struct Memory {
     balances: Vec<Balances>,
     history: History,
     reader: reader::Memory,
-    relaxing: relaxing_rows::Memory,
-    remembering: remembering::Memory,
+    relaxing: relaxation_rows::Memory,
+    conduction: wall_conduction::Memory,
 }
 
 /// Solves checked rows (index and plan) of one area law and kind. `set` are the effects on the gas, all contained in `BITS`.
@@ -79,30 +79,30 @@ pub fn run<const N: usize, const BITS: u32>(
     rows: &[(u32, Plan)],
     out: &mut [Outcome],
 ) {
-    let Memory { balances, history, reader, relaxing, remembering } = memory;
+    let Memory { balances, history, reader, relaxing, conduction } = memory;
     work_out(balances, rows, batch.scenarios);
     history.limit = (rows.len() > FEWEST).then_some(HISTORY);
-    let (mut courses, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
+    let (mut integrated, mut states) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
     for ((row, plan), balance) in rows.iter().zip(&*balances) {
-        let (mut course, all) = IntegratedRow::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
-        course.counted -= if BITS & equations::TIGHT == 0 { 0.0 } else { 1.0 };
+        let (mut row, all) = IntegratedRow::begin(*row, plan, balance, &batch.scenarios[*row as usize]);
+        row.counted -= if BITS & equations::TIGHT == 0 { 0.0 } else { 1.0 };
         let absolute = tolerance(batch.options.relative_tolerance, &all).absolute;
         let (state, absolute) = (General::<N, BITS>::states(&all), General::<N, BITS>::tolerances(&all, &absolute));
         states.push(States { state, absolute });
-        courses.push(course);
+        integrated.push(row);
     }
-    let remembers = (kind == Kind::Remembering).then_some(remembering);
+    let conduction = (kind == Kind::WallConduction).then_some(conduction);
     let stretches = if kind == Kind::Relaxing { 1 } else { MOST_STRETCHES };
-    if !integrate::<N, BITS>(batch, history, set, (&mut courses, &mut states), stretches, remembers) {
+    if !integrate::<N, BITS>(batch, history, set, (&mut integrated, &mut states), stretches, conduction) {
         // Too many steps to keep: solves fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(batch, memory, set, kind, rows, out);
         }
     } else if kind == Kind::Relaxing {
-        let mut pushed: Vec<AfterPush> = courses.iter().map(IntegratedRow::after_push).collect();
-        relaxing_rows::run(batch, relaxing, set, &mut pushed, out);
+        let mut pushed: Vec<AfterPush> = integrated.iter().map(IntegratedRow::after_push).collect();
+        relaxation_rows::run(batch, relaxing, set, &mut pushed, out);
     } else {
-        read(batch, reader, history, &courses, out);
+        read(batch, reader, history, &integrated, out);
     }
 }
 
@@ -116,19 +116,25 @@ fn work_out(balances: &mut Vec<Balances>, rows: &[(u32, Plan)], scenarios: &[Sce
 }
 
 /// Reads the outcomes of rows from their traces.
-fn read(batch: Batch, reader: &mut reader::Memory, history: &History, courses: &[IntegratedRow], out: &mut [Outcome]) {
+fn read(
+    batch: Batch,
+    reader: &mut reader::Memory,
+    history: &History,
+    integrated: &[IntegratedRow],
+    out: &mut [Outcome],
+) {
     let Batch { arch, options, .. } = batch;
-    let mut rest = courses;
+    let mut rest = integrated;
     while !rest.is_empty() {
         let mut traces = Traces::new(reader);
-        while let Some(course) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
-            course.trace(history, &mut traces);
+        while let Some(row) = rest.get(traces.len()).filter(|_| traces.knots() < KNOTS) {
+            row.trace(history, &mut traces);
         }
         let (group, others) = rest.split_at(traces.len());
         rest = others;
         let answers = traces.answers(arch);
         let regressions = if options.fit {
-            traces.regressions(arch, &answers, |course| group[course].time_constant())
+            traces.regressions(arch, &answers, |row| group[row].time_constant())
         } else {
             vec![None; answers.len()]
         };
@@ -142,50 +148,50 @@ fn read(batch: Batch, reader: &mut reader::Memory, history: &History, courses: &
     }
 }
 
-/// Integrates rows over at most `stretches` stretches; false if the history is full. `remembers` is the memory for the holds of rows
+/// Integrates rows over at most `stretches` stretches; false if the history is full. `conduction` is the memory for the holds of rows
 /// with a conducting wall.
 fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
     history: &mut History,
     set: EffectSet,
-    (courses, states): (&mut [IntegratedRow], &mut [States<N>]),
+    (integrated, states): (&mut [IntegratedRow], &mut [States<N>]),
     stretches: usize,
-    mut remembers: Option<&mut remembering::Memory>,
+    mut conduction: Option<&mut wall_conduction::Memory>,
 ) -> bool {
     history.clear();
-    let mut problems: Vec<Problem<N>> = Vec::with_capacity(courses.len());
+    let mut problems: Vec<Problem<N>> = Vec::with_capacity(integrated.len());
     for index in 0..stretches {
-        let mut active: Vec<usize> = (0..courses.len()).filter(|&c| courses[c].goes_on(index)).collect();
+        let mut active: Vec<usize> = (0..integrated.len()).filter(|&c| integrated[c].goes_on(index)).collect();
         if active.is_empty() {
             break;
         }
-        history.awake = courses.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
-        let pass = |course: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
-            course.passed[index] = (problem.steps, problem.view);
+        history.awake = integrated.iter().any(|c| index >= seen_from(c.plan, &c.sensor));
+        let pass = |row: &mut IntegratedRow, states: &mut States<N>, problem: &Problem<N>| {
+            row.passed[index] = (problem.steps, problem.view);
             states.state = problem.state;
-            let contents = General::<N, BITS>::mass_and_energy(&problem.state, course.initial[MASS]);
+            let contents = General::<N, BITS>::mass_and_energy(&problem.state, row.initial[MASS]);
             let is_gas = General::<N, BITS>::holds_gas(&problem.state);
-            course.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
+            row.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
         };
-        let problem = |course: &IntegratedRow, states: &States<N>| {
-            let mut problem = Problem::new(course.plan.stretches[index].length, states.state, states.absolute);
-            (problem.longest, problem.first) = course.steps(index);
+        let problem = |row: &IntegratedRow, states: &States<N>| {
+            let mut problem = Problem::new(row.plan.stretches[index].length, states.state, states.absolute);
+            (problem.longest, problem.first) = row.steps(index);
             problem
         };
         if General::<N, BITS>::REMEMBERS
-            && let Some(memory) = &mut remembers
+            && let Some(memory) = &mut conduction
         {
-            let rests = |c: &usize| courses[*c].plan.stretches[index].start.velocity == 0.0;
+            let rests = |c: &usize| integrated[*c].plan.stretches[index].start.velocity == 0.0;
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
-            let systems: Vec<Row> = held.iter().map(|&c| courses[c].system(index)).collect();
+            let systems: Vec<Row> = held.iter().map(|&c| integrated[c].system(index)).collect();
             problems.clear();
-            problems.extend(held.iter().map(|&c| problem(&courses[c], &states[c])));
-            let levels: Vec<usize> = held.iter().map(|&c| remembering::coarsest(&courses[c].sensor)).collect();
+            problems.extend(held.iter().map(|&c| problem(&integrated[c], &states[c])));
+            let levels: Vec<usize> = held.iter().map(|&c| wall_conduction::coarsest(&integrated[c].sensor)).collect();
             let places = General::<N, BITS>::places_of_wall();
-            let solved = remembering::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
+            let solved = wall_conduction::hold(batch, memory, set, places, (&systems, &levels), &mut problems, history);
             for ((&c, problem), solved) in held.iter().zip(&problems).zip(solved) {
                 if solved {
-                    pass(&mut courses[c], &mut states[c], problem);
+                    pass(&mut integrated[c], &mut states[c], problem);
                 } else {
                     others.push(c);
                 }
@@ -195,16 +201,16 @@ fn integrate<const N: usize, const BITS: u32>(
                 continue;
             }
         }
-        let systems: Vec<Row> = active.iter().map(|&c| courses[c].system(index)).collect();
+        let systems: Vec<Row> = active.iter().map(|&c| integrated[c].system(index)).collect();
         problems.clear();
-        problems.extend(active.iter().map(|&c| problem(&courses[c], &states[c])));
+        problems.extend(active.iter().map(|&c| problem(&integrated[c], &states[c])));
         let system = General::<N, BITS>::new(&systems, set);
         advance(batch.arch, &system, &systems, &mut problems, batch.options.relative_tolerance, history);
         if Watch::<N>::is_full(history) {
             return false;
         }
         for (&c, problem) in active.iter().zip(&problems) {
-            pass(&mut courses[c], &mut states[c], problem);
+            pass(&mut integrated[c], &mut states[c], problem);
         }
     }
     !Watch::<N>::is_full(history)
@@ -217,7 +223,7 @@ impl<'a> IntegratedRow<'a> {
         let of_gas = sets::on_the_gas(plan.active);
         let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
         let initial = [states[MASS], states[ENERGY]];
-        let course = Self {
+        let row = Self {
             row,
             scenario,
             plan,
@@ -231,7 +237,7 @@ impl<'a> IntegratedRow<'a> {
             passed: [(Steps::default(), View::NONE); MOST_STRETCHES],
             failure: None,
         };
-        (course, states)
+        (row, states)
     }
 
     /// Its data for the integration of a stretch.
@@ -250,8 +256,8 @@ impl<'a> IntegratedRow<'a> {
         } else {
             f64::INFINITY
         };
-        let remembers = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
-        let bent = index == 0 && (self.plan.starts_singular || remembers);
+        let conducts = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
+        let bent = index == 0 && (self.plan.starts_singular || conducts);
         (longest, if bent { FIRST_OF_BENT * stretch.length } else { 0.0 })
     }
 

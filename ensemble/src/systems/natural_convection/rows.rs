@@ -1,32 +1,32 @@
 //! Solves tests with natural convection: by the push of [`super`] and a hold that is a series ([`hold`]) or, if that is not valid, an
-//! integral over temperature ([`relaxing_rows`]).
+//! integral over temperature ([`relaxation_rows`]).
 
 use super::hold::{self, Ends, Holds, Solve};
 use super::record::Record;
-use super::{ConvectiveTest, EFFECTS};
+use super::{EFFECTS, NaturalConvectionTest};
 use crate::batch::Batch;
 use crate::ending::{AfterPush, HoldsEnded};
-use crate::general::relaxing_rows;
+use crate::general::relaxation_rows;
 use crate::instructions::Wide;
 use crate::integrator::problem::Problem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
-use crate::own::adaptive;
-use crate::own::list::Way;
-use crate::own::test::OwnTest;
 use crate::regression::Records;
+use crate::systems::adaptive;
+use crate::systems::list::Way;
+use crate::systems::test_system::TestSystem;
 use chamber::AreaLaw;
 
 /// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
-    tests: Vec<ConvectiveTest>,
+    tests: Vec<NaturalConvectionTest>,
     problems: Vec<Problem<2>>,
     /// Tests whose holds are series, with their indices, and the others.
     in_series: Vec<(usize, AfterPush)>,
     pushed: Vec<AfterPush>,
     records: Records,
-    relaxing: relaxing_rows::Memory,
+    relaxing: relaxation_rows::Memory,
 }
 
 impl Way for Memory {
@@ -61,7 +61,7 @@ fn run(batch: Batch, memory: &mut Memory, rows: &[u32], left: &mut Vec<u32>, out
             pushed.push(after);
         }
     }
-    relaxing_rows::run(batch, relaxing, EFFECTS, pushed, out);
+    relaxation_rows::run(batch, relaxing, EFFECTS, pushed, out);
     for group in in_series.chunks(WIDTH) {
         let at = |lane: usize| &group[lane.min(group.len() - 1)];
         let test = |lane: usize| &tests[at(lane).0];
