@@ -255,15 +255,14 @@ impl Solved<'_> {
 }
 
 /// Pressure while the piston rests, P = Pf/(1 − ε e^(−k t)), Pa.
-struct ExactHold<const FUSED: bool, const STEEP: bool> {
+struct ExactHold<const FUSED: bool> {
     at_rest: Lanes,
     excess: Lanes,
     rate: Lanes,
     slowness: Lanes,
 }
 
-impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> {
-    const ENDS: &'static [f64] = if STEEP { &STEEP_ENDS } else { &ENDS };
+impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
     type Knot = Lanes;
     type Trajectory<'a> = &'a Self;
 
@@ -283,7 +282,7 @@ impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> 
     }
 }
 
-impl<const FUSED: bool, const STEEP: bool> Curve for &ExactHold<FUSED, STEEP> {
+impl<const FUSED: bool> Curve for &ExactHold<FUSED> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
@@ -303,28 +302,24 @@ impl WithSimd for Record<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Guess {
-        match (I::IS_SCALAR, self.is_steep) {
-            (true, false) => self.fill::<false, false>(),
-            (true, true) => self.fill::<false, true>(),
-            (false, false) => self.fill::<true, false>(),
-            (false, true) => self.fill::<true, true>(),
-        }
+        if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
     }
 }
 
 impl Record<'_> {
     #[inline(always)]
-    fn fill<const FUSED: bool, const STEEP: bool>(self) -> Guess {
-        let Self { tests: t, ends, records, .. } = self;
+    fn fill<const FUSED: bool>(self) -> Guess {
+        let Self { tests: t, ends, records, is_steep } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
-        let hold = ExactHold::<FUSED, STEEP> {
+        let hold = ExactHold::<FUSED> {
             at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
             excess,
             rate: ends.rate,
             slowness: black_box(ends.rate.recip()),
         };
-        relaxing::lay_out(&hold, t.push, black_box(t.push + t.hold), records);
+        let parts = if is_steep { STEEP_ENDS } else { &ENDS };
+        relaxing::lay_out(&hold, parts, t.push, black_box(t.push + t.hold), records);
         Guess::Relaxation { rate: ends.rate, excess, from: t.push }
     }
 }

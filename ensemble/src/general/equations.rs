@@ -297,7 +297,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::advance::{Nobody, run};
+    use crate::integrator::advance::run;
     use crate::integrator::problem::Problem;
     use crate::outcome::closure;
     use crate::plan::Plan;
@@ -343,7 +343,7 @@ mod tests {
                 let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
-                run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut Nobody);
+                run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut ());
                 assert_eq!(problems[0].failure, None);
                 state = problems[0].state;
                 received += problems[0].energy[0] - problems[0].energy[1];

@@ -283,7 +283,7 @@ impl WithSimd for Record<'_> {
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
         let held = Held { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
-        relaxing::lay_out(&held, push, push + hold, records);
+        relaxing::lay_out(&held, relaxing::SLOWING_ENDS, push, push + hold, records);
         let rate = gas.slowness(Lanes::ZERO).recip();
         Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
     }
@@ -300,7 +300,6 @@ struct Held<'a> {
 }
 
 impl Relaxing for Held<'_> {
-    const ENDS: &'static [f64] = relaxing::SLOWING_ENDS;
     const IS_LONG: bool = true;
     /// Relaxations, their time, and the end of the part: the end of the hold in lanes with fewer relaxations.
     type Knot = [Lanes; 3];

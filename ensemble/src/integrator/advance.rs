@@ -79,9 +79,7 @@ pub trait Watch<const N: usize> {
 }
 
 /// Keeps nothing: for solutions of which only the end matters.
-pub struct Nobody;
-
-impl<const N: usize> Watch<N> for Nobody {
+impl<const N: usize> Watch<N> for () {
     #[inline(always)]
     fn see(&mut self, _: &Tried<N>) {}
     #[inline(always)]

@@ -13,8 +13,7 @@ pub const ENDS: [f64; 10] = [0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64:
 
 /// The same for a relaxation that is steep at first: near its pole, where P = Pf/(1 − ε e^(−kt)) begins at many times Pf, the pressure
 /// falls in proportion to 1/(kt + Pf/P).
-pub const STEEP_ENDS: [f64; ENDS.len() + 3] =
-    [0.01, 0.04, 0.12, 0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
+pub const STEEP_ENDS: &[f64] = &[0.01, 0.04, 0.12, 0.3, 0.65, 1.1, 1.7, 2.5, 3.6, 5.3, 8.0, 13.0, f64::INFINITY];
 
 /// The same for a relaxation that slows down: with λ ∝ |T − Tw|² each relaxation takes seven times as long as the one before.
 pub const SLOWING_ENDS: &[f64] =
@@ -22,8 +21,6 @@ pub const SLOWING_ENDS: &[f64] =
 
 /// The pressure while the piston rests, one hold per lane.
 pub trait Relaxing {
-    /// Ends of the parts of the record, in relaxations.
-    const ENDS: &'static [f64] = &ENDS;
     /// Whether the code of a [`Relaxing::Trajectory`] is too long for several copies.
     const IS_LONG: bool = false;
     /// Data at the end of a part.
@@ -40,12 +37,12 @@ pub trait Relaxing {
     fn trajectory(&self, ends: [&Self::Knot; 2]) -> Self::Trajectory<'_>;
 }
 
-/// Lays out the records of tests, given the durations of their pushes and of the whole tests, s.
+/// Lays out the records of tests in parts with the given ends, in relaxations; `push` and `duration` are those of the tests, s.
 #[inline(always)]
-pub fn lay_out<R: Relaxing>(relaxing: &R, push: Lanes, duration: Lanes, records: &mut Records) {
+pub fn lay_out<R: Relaxing>(relaxing: &R, ends: &[f64], push: Lanes, duration: Lanes, records: &mut Records) {
     records.begin_at(push);
     let mut begin = black_box(relaxing.knot(0.0));
-    for end in black_box(R::ENDS) {
+    for end in black_box(ends) {
         let end = black_box(relaxing.knot(*end));
         let until = black_box((push + R::time(&end)).min(duration));
         if let Some(nodes) = records.nodes_up_to(until) {

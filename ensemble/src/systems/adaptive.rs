@@ -5,7 +5,7 @@
 use crate::batch::Batch;
 use crate::ending::Ending;
 use crate::instructions::Wide;
-use crate::integrator::advance::{Nobody, advance};
+use crate::integrator::advance::advance;
 use crate::integrator::log::Attempted;
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::LaneSystem;
@@ -81,7 +81,7 @@ pub fn push<const N: usize, T: TestSystem<N>>(
         tests.push(test);
     }
     T::begin(arch, tests, problems, relative);
-    advance(arch, &T::Moving::default(), tests, problems, relative, &mut Nobody);
+    advance(arch, &T::Moving::default(), tests, problems, relative, &mut ());
 }
 
 impl<const N: usize, T: TestSystem<N>> Way for Memory<N, T> {

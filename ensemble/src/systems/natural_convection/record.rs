@@ -37,7 +37,8 @@ impl WithSimd for Record<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Guess {
         let Self { holds, ends, per_temperature, records } = self;
         let Holds { wall, pushed, push, hold, .. } = *black_box(holds);
-        relaxing::lay_out(&Held { ends, hold, per_temperature }, push, push + hold, records);
+        let held = Held { ends, hold, per_temperature };
+        relaxing::lay_out(&held, relaxing::SLOWING_ENDS, push, push + hold, records);
         Guess::Relaxation { rate: ends.series.slowness.recip(), excess: Lanes::ONE - wall / pushed, from: push }
     }
 }
@@ -50,7 +51,6 @@ pub struct Held<'a> {
 }
 
 impl Relaxing for Held<'_> {
-    const ENDS: &'static [f64] = relaxing::SLOWING_ENDS;
     const IS_LONG: bool = true;
     type Knot = HoldMoment;
     type Trajectory<'a>

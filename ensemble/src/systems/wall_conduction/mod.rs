@@ -12,7 +12,7 @@ use crate::conduction::step::GasAndWall;
 use crate::conduction::{HoldSteps, relative, through};
 use crate::ending::HoldsEnded;
 use crate::instructions::Wide;
-use crate::integrator::advance::{Nobody, advance};
+use crate::integrator::advance::advance;
 use crate::integrator::problem::Problem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
@@ -63,7 +63,7 @@ impl Way for Memory {
             problems.push(test.push(s, relative));
             tests.push(test);
         }
-        advance(arch, &Moving::default(), tests, problems, relative, &mut Nobody);
+        advance(arch, &Moving::default(), tests, problems, relative, &mut ());
         open.clear();
         for (index, ((problem, test), row)) in problems.iter().zip(&*tests).zip(&*rows).enumerate() {
             if problem.failure.is_none() && goes_one_way(&problem.state, test.gas.closed.ambient_temperature) {
