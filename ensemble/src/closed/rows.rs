@@ -28,12 +28,6 @@ use pulp::{Arch, Simd, WithSimd};
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
-    buffers: Buffers,
-}
-
-/// Buffers for the records.
-#[derive(Default)]
-struct Buffers {
     records: Records,
     readings: readings::Memory,
 }
@@ -42,7 +36,7 @@ struct Buffers {
 /// the same area law. `shown` are the effects on the reading, if any; all sensors lag or none, and all records are delayed or none.
 pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[u32], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { chambers, buffers } = memory;
+    let Memory { chambers, records, readings } = memory;
     let mut all: Vec<ExactTest> = rows.iter().map(|&row| ExactTest::new(row, &scenarios[row as usize])).collect();
     if set.is_empty() {
         for test in &mut all {
@@ -71,13 +65,13 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
         // Only a sensor with a lag or a delay needs the pressure during the push.
         let looks_back = Sensor::new(shown, &scenario(0).chamber.effects).looks_back();
-        let nodes = looks_back.then_some(&mut buffers.readings.nodes);
+        let nodes = looks_back.then_some(&mut readings.nodes);
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
         let outcomes = if shown.is_empty() {
-            solved.outcomes(arch, &mut buffers.records, options.fit.then_some(is_steep), scenario)
+            solved.outcomes(arch, records, options.fit.then_some(is_steep), scenario)
         } else {
-            solved.readings(arch, buffers, shown, options.fit, scenario)
+            solved.readings(arch, (records, readings), shown, options.fit, scenario)
         };
         for (lane, &test) in order.iter().enumerate() {
             let row = all[test as usize].row as usize;
@@ -227,13 +221,12 @@ impl Solved<'_> {
     fn readings<'s>(
         &self,
         arch: Arch,
-        buffers: &mut Buffers,
+        (records, readings): (&mut Records, &mut readings::Memory),
         set: EffectSet,
         fit: bool,
         scenario: impl Fn(usize) -> &'s Scenario,
     ) -> [Outcome; WIDTH] {
         let Self { tests, ends } = *self;
-        let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
         let sensor = |lane: usize| Sensor::new(set, &scenario(lane).chamber.effects);
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);

@@ -152,15 +152,11 @@ impl<'a> GasOverRelaxations<'a> {
 }
 
 /// Time as a function of u.
-struct Time<'a> {
-    parts: &'a [HoldPart],
-}
-
-impl Curve for Time<'_> {
+impl Curve for &[HoldPart] {
     #[inline(always)]
     fn at(&self, relaxations: Lanes) -> Lanes {
         let mut time = Lanes::ZERO;
-        for part in self.parts {
+        for part in *self {
             let since = relaxations - part.from;
             let here = part.begin + part.time.at(since * part.per_length);
             time = since.min(part.length).where_positive(here, time);
@@ -258,7 +254,7 @@ impl<'a> WithSimd for Solve<'_, 'a> {
         let relaxations = open.where_positive(Lanes::from(f64::NAN), end);
         let end = gas.temperature(relaxations);
         let edge = gas.relaxations(end + (gas.pushed - end) * SETTLED);
-        black_box(Ends { end, settling: Time { parts }.at(edge), relaxations, gas })
+        black_box(Ends { end, settling: (&**parts).at(edge), relaxations, gas })
     }
 }
 
@@ -282,7 +278,7 @@ impl WithSimd for Record<'_> {
         let Ends { gas, relaxations, .. } = black_box(ends);
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
-        let held = Held { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
+        let held = Held { gas, time: parts, hold, relaxations: *relaxations, per_temperature };
         relaxing::lay_out(&held, relaxing::SLOWING_ENDS, push, push + hold, records);
         let rate = gas.slowness(Lanes::ZERO).recip();
         Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
@@ -292,7 +288,7 @@ impl WithSimd for Record<'_> {
 /// Solved holds.
 struct Held<'a> {
     gas: &'a GasOverRelaxations<'a>,
-    time: Time<'a>,
+    time: &'a [HoldPart],
     hold: Lanes,
     relaxations: Lanes,
     /// P/T, Pa/K.

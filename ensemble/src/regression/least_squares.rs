@@ -7,6 +7,7 @@ use super::time_constant;
 use crate::lanes::math::decay;
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
+use chamber::seven_steps;
 use core::hint::black_box;
 
 const ITERATIONS: usize = 60;
@@ -56,12 +57,8 @@ pub enum Guess {
 /// The fit to one record.
 #[derive(Clone, Copy, Debug)]
 pub struct Regression {
-    /// Pf, Pa.
-    pub final_pressure: f64,
-    /// ΔP, Pa.
-    pub rise: f64,
-    /// τ, s.
-    pub time_constant: f64,
+    /// Pf, ΔP and τ.
+    pub exponential: seven_steps::Regression,
     /// Largest residual, relative to the record's own range.
     pub misfit: f64,
 }
@@ -74,9 +71,10 @@ pub struct Regressions([Lanes; 4]);
 impl Regressions {
     /// The fit of one lane; `None` if its record does not determine it.
     pub fn lane(&self, lane: usize) -> Option<Regression> {
-        let [final_pressure, rise, time_constant, misfit] = self.0.map(|found| found[lane]);
-        let found = [final_pressure, rise, time_constant].iter().all(|v| v.is_finite());
-        found.then_some(Regression { final_pressure, rise, time_constant, misfit })
+        let [final_pressure_pa, pressure_rise_pa, time_constant_s, misfit] = self.0.map(|found| found[lane]);
+        let found = [final_pressure_pa, pressure_rise_pa, time_constant_s].iter().all(|v| v.is_finite());
+        let exponential = seven_steps::Regression { final_pressure_pa, pressure_rise_pa, time_constant_s };
+        found.then_some(Regression { exponential, misfit })
     }
 }
 

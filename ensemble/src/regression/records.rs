@@ -150,6 +150,7 @@ mod tests {
     use super::*;
     use crate::regression::Regression;
     use crate::regression::time_constant::tests::least;
+    use chamber::seven_steps;
     use proptest::prelude::*;
 
     /// Samples one by one, each a part of its own.
@@ -190,7 +191,7 @@ mod tests {
             sampled(&mut records, lane, &pressures);
             let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(tau * off))).lane(lane).unwrap();
             let expected = best(&pressures, tau);
-            prop_assert!((found.time_constant / expected - 1.0).abs() < 2e-5, "{found:?} {expected}");
+            prop_assert!((found.exponential.time_constant_s / expected - 1.0).abs() < 2e-5, "{found:?} {expected}");
         }
 
         #[test]
@@ -212,8 +213,11 @@ mod tests {
             records.add(4, RecordPart { samples, pressure });
             first += count;
         }
-        let Regression { final_pressure: pf, rise, time_constant: found, .. } =
-            records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(tau * off))).lane(4).unwrap();
+        let Regression {
+            exponential:
+                seven_steps::Regression { final_pressure_pa: pf, pressure_rise_pa: rise, time_constant_s: found },
+            ..
+        } = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(tau * off))).lane(4).unwrap();
         assert!((found / tau - 1.0).abs() < 1e-5, "{found} {tau}");
         assert!((pf / 2e5 - 1.0).abs() < 1e-5 && (rise / 7e4 - 1.0).abs() < 1e-5, "{pf} {rise}");
     }
@@ -230,8 +234,9 @@ mod tests {
         }
         let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(0.5)));
         for (lane, leak) in leaks.into_iter().enumerate() {
-            let Regression { final_pressure, rise, time_constant, misfit } = found.lane(lane).unwrap();
-            let exponential = |k: usize| final_pressure + rise * (-(k as f64) / SAMPLE_RATE_HZ / time_constant).exp();
+            let Regression { exponential: found, misfit } = found.lane(lane).unwrap();
+            let decay = |k: usize| (-(k as f64) / SAMPLE_RATE_HZ / found.time_constant_s).exp();
+            let exponential = |k: usize| found.final_pressure_pa + found.pressure_rise_pa * decay(k);
             let pressures = record(leak);
             let distances = pressures.iter().enumerate().map(|(k, p)| (p - exponential(k)).abs());
             let span = pressures[0] - pressures.iter().copied().fold(f64::INFINITY, f64::min);
@@ -253,7 +258,7 @@ mod tests {
         sampled(&mut records, 3, &[2e5, 1.5e5, 1.25e5, 1.125e5, 1.0625e5, 1.031_25e5]);
         let found = records.fit(Arch::new(), Guess::TimeConstant(Lanes::from(0.02)));
         assert!([0, 1, 2].into_iter().all(|lane| found.lane(lane).is_none()));
-        let tau = found.lane(3).unwrap().time_constant;
+        let tau = found.lane(3).unwrap().exponential.time_constant_s;
         assert!((tau - 0.01 / 2f64.ln()).abs() < 1e-9, "{tau}");
     }
 }
