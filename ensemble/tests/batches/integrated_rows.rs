@@ -1,4 +1,4 @@
-//! Rows that only the integrator solves: against the plain one.
+//! Rows that only the integrator solves: against the plain integrator.
 
 use crate::common::{
     assert_close, assert_same, changed, flowing, heated, reference, results, sealed, section_31, stirred, varied,
@@ -73,7 +73,7 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
     for (i, s) in rows.iter_mut().enumerate() {
         s.initial_temperature_k = s.ambient_temperature_k;
         s.chamber.effects.of_mut(natural)[0] = [-0.4, 0.25, 1.0 / 3.0, 1.5][i % 4];
-        // The record shows some of the push.
+        // The record shows part of the push.
         match i / 4 % 3 {
             0 => {}
             1 => s.chamber.effects.of_mut(late)[0] = 0.3 * s.push_time_s,
@@ -110,7 +110,7 @@ fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
     }
 }
 
-/// The test of section 3.1 with an effect of these numbers, of several durations.
+/// The test of section 3.1 with an effect's first parameters, for several durations.
 fn with_effect(effect: usize, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
     (EffectSet::one(effect), [10.0, 20.0, 40.0].map(|duration| section_31(effect, numbers, duration)).into())
 }

@@ -1,5 +1,5 @@
-//! Batches against closed forms, against the plain integrator, and against themselves in another order. One program, which
-//! links the kernel once.
+//! Batches against closed forms, against the plain integrator, and against themselves in another order. One program, so that the kernel
+//! is linked once.
 
 mod closed_forms;
 mod common;
