@@ -19,7 +19,8 @@
 //! | of these: tight, effects without states | integral over temperature in the hold | `general::relaxation` |
 //! | of these: tight, wall conduction beside effects that keep the closed form | collocation in the hold | `general::wall_conduction` |
 //!
-//! `Kernel::add` chooses the path. Without wide instructions (`instructions`) every row without a closed form takes the last three.
+//! `Kernel::add` chooses the path. Without wide instructions (`instructions`) `general` integrates every row without a closed form
+//! throughout.
 //!
 //! Rows of `general` leave a trace: pressure, temperature and their slopes at the end of each step (`general::history`). The sensor
 //! is applied to the trace as a filter (`filter`) and finally as a curve of the reading (`reader::bends`); it costs no steps. Peaks,
