@@ -5,7 +5,7 @@
 //! y(x) = y(0) e^(−zx) + Σ c_k x^k g_k(zx),  g_k(w) = w ∫₀¹ e^(−wv) (1 − v)^k dv
 //!
 //! so that a fast sensor needs no small steps. g_0 = 1 − e^(−w) and g_k = 1 − (k/w) g_(k−1). This recurrence loses no digits upwards
-//! for w > k and none downwards for w < k, where it starts with k = 7 from the
+//! for w > k and none downwards for w < k, where it starts at k = 7 from the
 //! series g_k = w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
 
 use crate::lanes::Lanes;

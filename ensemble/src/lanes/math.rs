@@ -25,7 +25,7 @@ const INVERSE_FACTORIALS: [f64; 12] = {
     all
 };
 
-/// Coefficients of ln m in powers of s², over s and but for the first: 2/(2i + 3), and none for the last.
+/// Coefficients of ln m over s in powers of s², without the first one: 2/(2i + 3), and zero at the end.
 const ODD_SERIES: [f64; 12] = {
     let (mut all, mut i) = ([0.0; 12], 0);
     while i < 11 {

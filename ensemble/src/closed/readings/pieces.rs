@@ -1,4 +1,4 @@
-//! Cuts records into pieces, between which they may turn round: of the push, where they are late, and of the hold.
+//! Cuts records into pieces with at most one turn each: of the push, if they are delayed, and of the hold.
 
 use super::hold::{BehindLag, HoldRecord};
 use super::push::PushPressure;

@@ -1,4 +1,4 @@
-//! Records of tests, one a lane, and the pieces that they are cut into.
+//! Records of tests, one per lane, and their pieces.
 
 use super::events::Turn;
 use super::hold::HoldRecord;
