@@ -1,9 +1,10 @@
-//! How fast rows with each effect are solved beside sealed ones, how accurately, and in how much memory.
+//! Speed, accuracy and memory of rows with each effect, compared with sealed ones.
 //!
 //! `cargo run --release -p pneutherm-ensemble --example effect_rates` writes `results/effect_rates.md`: all cases in turn on
-//! one thread, of each few hundred rows the best of the rounds, since the machine may have other work. Rows are those of
-//! `benches/sealed.toml`, drawn at random, with one effect at its typical values. The error is the largest over the rows, against the integrator at a tolerance of 1e-13.
-//! With names of cases as arguments only sealed rows and these are run, and the page is printed only.
+//! one thread, with the best time of all rounds for each few hundred rows, as the machine may have other work. Rows are those of
+//! `benches/sealed.toml`, drawn at random, with one effect at its typical values. The error is the largest over the rows, against the
+//! integrator at a tolerance of 1e-13. With names of cases as arguments, only sealed rows and these are run, and the page is only
+//! printed.
 
 #[path = "../tests/common/numbers.rs"]
 mod numbers;
@@ -16,23 +17,23 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Rows that each case is timed on, and of which the errors are taken.
+/// Number of rows that each case is timed on, and number of those whose errors are evaluated.
 const ROWS: usize = 16 * CHUNK;
 const CHECKED: usize = CHUNK;
 const ROUNDS: usize = 15;
-/// Whose child reports its memory.
+/// Set for a child process that reports the memory of a case.
 const MEMORY_OF: &str = "PNEUTHERM_MEMORY_OF";
 
 struct Case {
     name: String,
     set: EffectSet,
-    /// Its effects, at typical values but for the first parameter where it is given.
+    /// Its effects, at typical values except for the first parameter if it is given.
     changes: Vec<(usize, Option<f64>)>,
     /// Whether gas flows in.
     flow: bool,
     rows: Vec<Scenario>,
     solver: Solver,
-    /// Without and with the regression, by chunk: of the best round.
+    /// Best times without and with the regression, by chunk.
     seconds: [[f64; ROWS / CHUNK]; 2],
 }
 
@@ -110,7 +111,7 @@ impl Case {
         out
     }
 
-    /// Solves all rows once, and keeps the times of chunks that took less than ever.
+    /// Solves all rows once, and keeps the times of chunks that were faster than before.
     fn time(&mut self, fit: bool) {
         let (mut kernel, options) = (Kernel::default(), self.options(fit));
         let mut out = vec![Outcome::failed(Failure::TooManySteps); CHUNK];
@@ -152,14 +153,14 @@ impl Case {
         worst
     }
 
-    /// Most memory that a process takes which solves its rows on one thread, MB.
+    /// Memory that a process takes to solve its rows on one thread, MB.
     fn memory(&self) -> Option<f64> {
         let output = Command::new(std::env::current_exe().ok()?).env(MEMORY_OF, &self.name).output().ok()?;
         String::from_utf8(output.stdout).ok()?.trim().parse().ok()
     }
 }
 
-/// The process's largest resident memory so far, MB, where the system tells.
+/// Largest resident memory of the process so far, MB, if the system reports it.
 fn resident() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM"))?;

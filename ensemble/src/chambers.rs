@@ -1,4 +1,4 @@
-//! Chambers side by side, one a lane.
+//! Chambers, one per lane.
 
 use crate::lanes::{Lanes, WIDTH, put};
 use chamber::balance::Balances;
@@ -6,7 +6,7 @@ use chamber::effects::EffectSet;
 use chamber::{AreaLaw, Chamber, Gas, Geometry, HeatTransfer};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Puts a chamber's numbers into a lane; those of its effects stay as they are.
+/// Loads a chamber into a lane, without the parameters of its effects.
 #[inline(always)]
 pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
     put!(to.gas, lane, from.gas; gas_constant, heat_capacity_ratio);
@@ -14,7 +14,7 @@ pub fn load_chamber(to: &mut Chamber<Lanes>, lane: usize, from: &Chamber) {
     put!(to.heat_transfer, lane, from.heat_transfer; coefficient, reference_pressure, reference_temperature);
 }
 
-/// Balances of chambers, one a lane, of one area law: of their effects those that were asked for last.
+/// Balances of chambers with the same area law, one per lane, with the effects of the last set requested.
 pub struct Chambers(Balances<Lanes>);
 
 impl Default for Chambers {
@@ -25,7 +25,7 @@ impl Default for Chambers {
 }
 
 impl Chambers {
-    /// Puts a chamber into each lane, with the parameters of the effects in a set.
+    /// Loads a chamber into each lane, with the parameters of the effects in a set.
     pub fn gather<'a>(
         &mut self,
         arch: Arch,
@@ -48,7 +48,7 @@ impl Chambers {
     }
 }
 
-/// Works out what balances keep beside their chambers.
+/// Computes the derived constants of the balances.
 struct WorkOutBalances<'a>(&'a mut Balances<Lanes>);
 
 impl WithSimd for WorkOutBalances<'_> {

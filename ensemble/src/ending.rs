@@ -1,34 +1,34 @@
-//! What a test that has been solved gives back, by the temperature of its gas.
+//! The outcome of a solved test, from the temperature of its gas.
 
 use crate::lanes::Lanes;
 use crate::outcome::{Failure, Outcome, Standing, closure, to_be_lost};
 use crate::regression::{Regression, Regressions, fit};
 use crate::scenario::Scenario;
 
-/// How a test has ended, by the temperature of its gas, or by whatever else the pressure of its hold is in proportion to.
+/// The end of a test in terms of the gas temperature, or of whatever else the pressure during the hold is proportional to.
 pub struct Ending<'a> {
-    /// What was pushed and held, and how.
+    /// The test.
     pub scenario: &'a Scenario,
-    /// Temperature that the wall has at last, K.
+    /// Final temperature of the wall, K.
     pub wall: f64,
-    /// Temperature at the end of the push, K: from there it goes one way.
+    /// Temperature at the end of the push, K; monotone from there on.
     pub pushed: f64,
     /// Temperature at the end, K.
     pub end: f64,
     /// P/T in the hold, Pa/K.
     pub pressure_per_temperature: f64,
-    /// From the end of the push until within 1 %, s.
+    /// Time from the end of the push until within 1 % of the end, s.
     pub settling: f64,
-    /// What gas that flows in or out as at the end changes in as long as the hold has lasted, K; zero of a closed chamber.
+    /// Change by the final flow of gas over another hold of the same duration, K; zero for a closed chamber.
     pub flowing: f64,
-    /// The rate of its pressure at the end over the pressure, times the hold; none of a closed chamber, in which the wall tells it.
+    /// Final relative rate of the pressure times the duration of the hold; none if the wall's temperature determines what is lost.
     pub relative_rate: Option<f64>,
-    /// The paper's regression of its record, where it was asked for.
+    /// The paper's regression, if requested.
     pub regression: Option<Regression>,
 }
 
 impl Ending<'_> {
-    /// The outcome, of the exact solution.
+    /// The outcome, marked as an exact solution.
     #[inline]
     pub fn outcome(&self) -> Outcome {
         let (s, pushed, end) = (self.scenario, self.pushed, self.end);
@@ -42,7 +42,7 @@ impl Ending<'_> {
             pressure_final_pa: end * self.pressure_per_temperature,
             temperature_final_k: end,
             temperature_peak_k: peak,
-            // A record that peaks at its end has no relaxation to describe.
+            // A record that peaks at its end has no relaxation.
             fit: self.regression.filter(|_| peak == pushed).and_then(|found| fit::steps(s, found)),
             settling_time_s,
             flows_on,
@@ -54,7 +54,7 @@ impl Ending<'_> {
     }
 }
 
-/// How holds of closed chambers have ended, one a lane: see [`Ending`].
+/// Ends of holds of closed chambers, one per lane: see [`Ending`].
 pub struct HoldsEnded {
     pub wall: Lanes,
     pub pushed: Lanes,
@@ -65,7 +65,7 @@ pub struct HoldsEnded {
 }
 
 impl HoldsEnded {
-    /// How the test of a lane has ended.
+    /// The end of the test of a lane.
     pub fn ending<'a>(&self, lane: usize, scenario: &'a Scenario) -> Ending<'a> {
         Ending {
             scenario,
@@ -81,25 +81,25 @@ impl HoldsEnded {
     }
 }
 
-/// How the push of a test has ended whose hold is solved in another way.
+/// The end of an integrated push whose hold is solved by another method.
 #[derive(Clone, Copy)]
 pub struct AfterPush {
-    /// Number of the test.
+    /// Index of the test in the batch.
     pub row: u32,
-    /// About how many relaxations the hold takes.
+    /// Approximate number of relaxations in the hold.
     pub relaxations: f64,
     /// Mass, kg.
     pub mass: f64,
     /// Internal energy before and after the push, J.
     pub energy: [f64; 2],
-    /// What the gas has received as heat less its work, and the magnitude of the work, J.
+    /// Heat received less work done, and the magnitude of the work, J.
     pub received: [f64; 2],
-    /// Why the push was given up.
+    /// Why the push failed, if it did.
     pub failure: Option<Failure>,
 }
 
 impl AfterPush {
-    /// The outcome of a test that has ended so.
+    /// The outcome of the test, given the end of its hold.
     pub fn outcome(&self, ending: &Ending) -> Outcome {
         let ([start, energy], [received, work]) = (self.energy, self.received);
         match self.failure {

@@ -1,87 +1,37 @@
-//! What a sensor shows of a known pressure: y' = (P − y)/τ, shown a delay later, with an offset and a drift.
+//! The sensor as a filter of a known pressure: a lag y' = (P − y)/τ, then a delay, an offset and a drift.
 //!
-//! Where P = Σ c_k x^k over a piece of length h, with x its share and z = h/τ,
+//! For P = Σ c_k x^k over a piece of length h, with x from 0 to 1 and z = h/τ,
 //!
 //! y(x) = y(0) e^(−zx) + Σ c_k x^k g_k(zx),  g_k(w) = w ∫₀¹ e^(−wv) (1 − v)^k dv
 //!
-//! so that a fast sensor costs no small steps. g_0 = 1 − e^(−w) and g_k = 1 − (k/w) g_(k−1), a recurrence that loses no
-//! digits upwards where w > k and none downwards where w < k; its start g_7 is there the series
-//! w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
+//! so that a fast sensor needs no small steps. g_0 = 1 − e^(−w) and g_k = 1 − (k/w) g_(k−1). This recurrence loses no digits upwards
+//! for w > k and none downwards for w < k, where it starts at k = 7 from the
+//! series g_k = w/(k+1) (1 − w/(k+2) (1 − w/(k+3) (…))).
 
 use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
-use chamber::effects::{self, EffectSet, EffectValues, OWN_STATES};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Coefficients of the polynomial that stands for a pressure.
+/// Number of coefficients of the polynomial that approximates a pressure.
 pub const TERMS: usize = 8;
-/// w from which on the recurrence goes upwards.
+/// The recurrence runs upwards above this w.
 const UPWARDS: f64 = 8.0;
-/// Terms of the series: enough up to that w.
+/// Terms of the series: sufficient up to that w.
 const SERIES: usize = 36;
-/// Time constants after a kink over which a lagging record is cut into pieces that polynomials describe.
+/// Times after a kink, in time constants, at which a lagging record is cut so that polynomials describe the pieces.
 pub const CUTS: [f64; 9] = [0.7, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0, 30.0];
 
-/// A sensor, SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensor {
-    /// τ, s; zero for a sensor that follows at once.
-    pub lag: f64,
-    /// Constant by which it reads too high, Pa.
-    pub offset: f64,
-    /// What it shows too much after a second, less the offset, Pa/s.
-    pub drift: f64,
-}
-
-impl Sensor {
-    /// That of a chamber, with the effects of a set. What bends its reading has no part in it.
-    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        let set = set.intersection(effects::of_sensor());
-        if set.is_empty() {
-            return Self { lag: 0.0, offset: 0.0, drift: 0.0 };
-        }
-        let shown = |time| values.reading(set, &[0.0; OWN_STATES], 0.0, time);
-        Self { lag: values.lag(set), offset: shown(0.0), drift: shown(1.0) - shown(0.0) }
-    }
-
-    /// What it shows of a reading, Pa, after so many seconds of the record.
-    pub fn shown(&self, reading: f64, time: f64) -> f64 {
-        reading + self.offset + self.drift * time
-    }
-}
-
-/// The sensor of one test, and how late its record is.
-#[derive(Clone, Copy, Debug)]
-pub struct Behind {
-    /// Lag, offset and drift.
-    pub sensor: Sensor,
-    /// Time by which the record is behind the gas, s.
-    pub delay: f64,
-}
-
-impl Behind {
-    /// That of a chamber, with the effects of a set.
-    pub fn new(set: EffectSet, values: &EffectValues) -> Self {
-        Self { sensor: Sensor::new(set, values), delay: values.delay(set) }
-    }
-
-    /// Whether the record shows what was before its time.
-    pub fn looks_back(&self) -> bool {
-        self.sensor.lag > 0.0 || self.delay > 0.0
-    }
-}
-
-/// Coefficients of polynomials from their values.
+/// Computes the coefficients of a polynomial from its values.
 #[derive(Clone, Debug)]
 pub struct ToPowers {
-    /// Where the values are taken.
+    /// Places of the values, from 0 to 1.
     places: [f64; TERMS],
-    /// The inverse of Vandermonde's matrix of these.
+    /// Inverse of their Vandermonde matrix.
     inverse: [[f64; TERMS]; TERMS],
 }
 
-/// Where a polynomial is taken from its quantity, in shares of a piece: Chebyshev's points with both ends.
+/// Places of interpolation, from 0 to 1: the Chebyshev points, including both ends.
 fn places() -> [f64; TERMS] {
     core::array::from_fn(|i| 0.5 - 0.5 * (core::f64::consts::PI * i as f64 / (TERMS - 1) as f64).cos())
 }
@@ -94,7 +44,7 @@ impl Default for ToPowers {
     }
 }
 
-/// Lagrange's polynomials, each one at one of the places and zero at the others, by their coefficients in powers of the place.
+/// Coefficients of the Lagrange polynomials, each of which is one at one of the places and zero at the others.
 pub fn polynomials<const PLACES: usize>(places: [f64; PLACES]) -> [[f64; TERMS]; PLACES] {
     core::array::from_fn(|one| {
         let mut polynomial = [0.0; TERMS];
@@ -111,7 +61,7 @@ pub fn polynomials<const PLACES: usize>(places: [f64; PLACES]) -> [[f64; TERMS];
 }
 
 impl ToPowers {
-    /// Coefficients, in powers of the share, of a quantity over a piece: from a time, s, over a length, s.
+    /// Coefficients of a quantity over the piece that starts at a time, s, and has a length, s; in powers of the place from 0 to 1.
     #[inline(always)]
     pub fn of(&self, quantity: &impl Curve, from: Lanes, length: Lanes) -> [Lanes; TERMS] {
         let mut values = [Lanes::ZERO; TERMS];
@@ -130,28 +80,28 @@ impl ToPowers {
     }
 }
 
-/// e^(−w), what a lagging sensor's reading keeps of itself over w time constants.
+/// e^(−w): the fraction of a lagging sensor's reading that is left after w time constants.
 #[inline(always)]
 pub fn kept<R: Real>(w: R) -> R {
     (-w.min(R::from(700.0))).exp()
 }
 
-/// A lagging sensor's reading over a piece.
+/// The reading of a lagging sensor over a piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Lagged<R> {
-    /// Coefficients of the pressure, Pa, in powers of the share.
+    /// Coefficients of the pressure, Pa, in powers of the place from 0 to 1.
     pub pressure: [R; TERMS],
-    /// The reading at its start, Pa.
+    /// Reading at its start, Pa.
     pub begin: R,
     /// Its length over τ.
     pub stiffness: R,
 }
 
-/// g_k(w) for all k, of a `w` whose e^(−w) is `faded`.
+/// g_k(w) for all k, where `faded` is e^(−w).
 #[inline(always)]
 pub fn shares<R: Real>(w: R, faded: R) -> [R; TERMS] {
     const TOP: usize = TERMS - 1;
-    // Downwards from the series, where any lane goes that way.
+    // Downwards from the series, if any lane needs it.
     let mut down = [R::ZERO; TERMS];
     if (R::from(UPWARDS + 1.0) - w).any_positive() {
         let small = w.min(R::from(UPWARDS));
@@ -178,7 +128,7 @@ pub fn shares<R: Real>(w: R, faded: R) -> [R; TERMS] {
 }
 
 impl<R: Real> Lagged<R> {
-    /// The reading at a share of the piece, Pa.
+    /// Reading at a place x of the piece, Pa.
     #[inline(always)]
     pub fn at(&self, x: R) -> R {
         let w = self.stiffness * x;
@@ -206,7 +156,7 @@ mod tests {
         ) {
             let stiffness = 10f64.powf(log_stiffness);
             let lagged = Lagged { pressure: terms, begin, stiffness };
-            // In parts so short that Gauss–Legendre quadrature of the solution's integral is exact.
+            // In parts short enough for Gauss–Legendre quadrature of the solution's integral to be exact.
             let parts = (stiffness * x / 4.0).ceil().clamp(1.0, 2000.0);
             prop_assume!(stiffness * x / parts <= 4.0 || stiffness > 1e4);
             let pressure = |x: f64| terms.iter().rev().fold(0.0, |sum, c| sum * x + c);

@@ -1,12 +1,11 @@
-//! The instruction sets that lanes are computed with.
+//! The instruction sets that the kernel is compiled for.
 //!
-//! A processor with none of the wide ones, which for x86-64 are those of 2013 (AVX2 and FMA) and 2017 (AVX-512), gets the closed forms
-//! and one integrator for all else, that of any effects: code for it is as long again as for each of the others.
+//! On x86-64 the wide ones are those of 2013 (AVX2 and FMA) and 2017 (AVX-512). A processor with neither gets the closed forms and,
+//! to limit the code size, a single integrator with any effects for all other rows.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// An instruction set of this machine. Results differ between sets in their last digits, as some fuse multiplication and
-/// addition.
+/// An instruction set of this machine. Results of different sets differ in their last digits, as some fuse multiplication and addition.
 #[derive(Clone, Copy, Debug)]
 pub struct InstructionSet(pub(crate) Arch);
 
@@ -18,7 +17,7 @@ impl Default for InstructionSet {
 }
 
 impl InstructionSet {
-    /// All of this machine that the kernel is compiled for, with their names.
+    /// All sets that this machine has and the kernel is compiled for, with their names.
     pub fn all() -> Vec<(&'static str, Self)> {
         let mut all = vec![("any", Self(Arch::Scalar))];
         #[cfg(target_arch = "x86_64")]
@@ -37,7 +36,7 @@ pub fn is_wide(arch: Arch) -> bool {
     !matches!(arch, Arch::Scalar)
 }
 
-/// Work that there is code for in wide instruction sets only.
+/// Work that is compiled for wide instruction sets only.
 pub struct Wide<W>(pub W);
 
 impl<W: WithSimd> WithSimd for Wide<W> {
@@ -46,7 +45,7 @@ impl<W: WithSimd> WithSimd for Wide<W> {
     #[inline(always)]
     fn with_simd<I: Simd>(self, simd: I) -> W::Output {
         if I::IS_SCALAR {
-            unreachable!("without wide instructions rows take another way")
+            unreachable!("without wide instructions rows take another path")
         } else {
             self.0.with_simd(simd)
         }

@@ -1,34 +1,34 @@
-//! Many push-and-hold tests at once: the kernel behind parameter studies.
+//! The batch kernel behind parameter studies: solves many push-and-hold tests at once, in SIMD lanes.
 //!
-//! A [`Kernel`] solves push-and-hold tests on one thread, each result a pure function of its scenario: the same bits
-//! whatever the others are and in whichever order they come. The caller spreads chunks over threads.
+//! A [`Kernel`] runs on one thread. Each result is a pure function of its scenario: its bits depend neither on the other scenarios
+//! nor on their order. The caller distributes chunks over threads.
 //!
-//! | a row | is solved by | in |
+//! | row | solved by | in |
 //! |---|---|---|
-//! | sealed, without effects | the closed form | `closed::rows` |
-//! | with effects that keep the closed form | the closed form with other constants, or with a changed integrand | `closed::kept` |
-//! | of either kind behind a sensor | the same, filtered | `closed::readings` |
-//! | sealed, where the integrator is asked for | its one equation | `own::sealed` |
-//! | with a wall that warms only | its two equations, in the hold by their series | `own::walled` |
-//! | with turbulence that decays only | its two equations | `own::stirred` |
-//! | with a missing term that is a heat flow over the pressure | its one equation | `own::heated` |
-//! | with one leak only, or with constant flows and at most one leak | its two equations | `own::flows` |
-//! | with natural convection only, on one side of the wall's temperature | two equations, in the hold a series | `own::convective` |
-//! | with a wall that remembers only | its own equations, in the hold by collocation | `own::remembering` |
-//! | any other | mass, energy and the effects' states, in code for its set of effects where there is some | `general` |
-//! | of these tight, with effects without states | in the hold an integral over the temperature | `general::relaxation` |
-//! | of these tight, with a wall that remembers and what keeps the closed form | in the hold collocation | `general::remembering` |
+//! | sealed, no effects | the closed form | `closed::rows` |
+//! | effects that keep the closed form | the closed form with other constants, or with a modified integrand | `closed::kept` |
+//! | either of these, read by a sensor with effects | the same, filtered | `closed::readings` |
+//! | sealed, integrator requested | one equation | `systems::sealed` |
+//! | wall heating only | two equations; their Taylor series in the hold | `systems::wall_heating` |
+//! | decaying turbulence only | two equations | `systems::decaying_turbulence` |
+//! | empirical heat flow as a function of pressure only | one equation | `systems::empirical_heat_flow` |
+//! | one leak, or constant flows with at most one leak | two equations | `systems::flows` |
+//! | natural convection only, gas on one side of the wall's temperature | two equations; a series in the hold | `systems::natural_convection` |
+//! | wall conduction only | gas and wall modes; collocation in the hold | `systems::wall_conduction` |
+//! | any other | mass, energy and the effects' states, by code compiled for its set of effects if there is any | `general` |
+//! | of these: tight, effects without states | integral over temperature in the hold | `general::relaxation` |
+//! | of these: tight, wall conduction beside effects that keep the closed form | collocation in the hold | `general::wall_conduction` |
 //!
-//! Which way a row takes is decided in `ways`. Without wide instructions (`instructions`) rows without a closed form are all of the
-//! last kinds.
+//! `Kernel::add` chooses the path. Without wide instructions (`instructions`) `general` integrates every row without a closed form
+//! throughout.
 //!
-//! Rows of `general` leave a trace: pressure and temperature with their slopes at the end of each step (`general::history`).
-//! What the sensor does to it is a filter of that trace (`filter`) and at last a curve of the reading (`reader::bends`), and
-//! costs no steps; peaks, settling and samples are read from it (`reader`).
+//! Rows of `general` leave a trace: pressure, temperature and their slopes at the end of each step (`general::history`). The sensor
+//! is applied to the trace as a filter (`filter`) and finally as a curve of the reading (`reader::bends`); it costs no steps. Peaks,
+//! settling times and samples are read from the result (`reader`).
 
-// Several arrays of lanes side by side, by one index, read as the equations do.
+// Indexing several arrays of lanes by one index reads like the equations.
 #![allow(clippy::needless_range_loop)]
-// In unit tests nothing calls the integration of batches, see `sets_with_code_of_their_own`.
+// Unit tests never integrate batches, see `compiled_sets`.
 #![cfg_attr(test, allow(dead_code, unused_imports, unused_variables))]
 
 mod batch;
@@ -36,70 +36,106 @@ mod chambers;
 mod closed;
 mod conduction;
 mod ending;
-mod features;
 mod filter;
 mod general;
 mod instructions;
 mod integrator;
 pub mod lanes;
-mod look;
 mod numerics;
 mod outcome;
-mod own;
-#[doc(hidden)]
-pub mod plain;
 mod plan;
+mod query;
 mod reader;
 mod regression;
 mod scenario;
+mod sensor;
 mod sets;
-mod ways;
+mod systems;
 
 pub use batch::CHUNK;
 pub use general::compiled::has_code_of_its_own;
 pub use instructions::InstructionSet;
 pub use outcome::{Failure, Fit, Outcome};
-pub use regression::samples::SAMPLE_RATE_HZ;
 pub use scenario::{Options, Scenario, Solver};
 
-use batch::Batch;
+use batch::{Batch, Features};
 use chamber::effects::EffectSet;
-use ways::Ways;
+use closed::ClosedRows;
+use general::GeneralRows;
+use systems::Systems;
 
-/// Solves each scenario into the outcome of the same index: [`Kernel::run`], with memory for this once.
+/// Writes the outcome of each scenario to the same index: [`Kernel::run`] with temporary working memory.
 ///
 /// # Panics
-/// Where the two slices differ in length.
+/// If the two slices differ in length.
 pub fn run(set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
     Kernel::default().run(set, scenarios, options, out);
 }
 
-/// Solves batches one after the other in memory that it keeps.
+/// Solves batches one after the other and keeps its working memory: one field per path.
 #[derive(Default)]
 pub struct Kernel {
     instructions: InstructionSet,
-    ways: Ways,
+    closed: ClosedRows,
+    systems: Systems,
+    general: GeneralRows,
 }
 
 impl Kernel {
-    /// With instructions of one's choice.
+    /// A kernel that uses a given instruction set.
     pub fn new(instructions: InstructionSet) -> Self {
-        Self { instructions, ways: Ways::default() }
+        Self { instructions, ..Self::default() }
     }
 
-    /// Solves each scenario into the outcome of the same index. `set` must contain every effect that is active in any
-    /// of them; a smaller set is faster.
+    /// Writes the outcome of each scenario to the same index. `set` must contain every effect that is active in any scenario; a
+    /// smaller set is faster.
     ///
     /// # Panics
-    /// Where the two slices differ in length.
+    /// If the two slices differ in length.
     pub fn run(&mut self, set: EffectSet, scenarios: &[Scenario], options: &Options, out: &mut [Outcome]) {
         assert_eq!(scenarios.len(), out.len(), "one outcome for each scenario");
         let InstructionSet(arch) = self.instructions;
         for (scenarios, out) in scenarios.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-            self.ways.solve(set, Batch { arch, scenarios, options }, out);
+            self.solve(set, Batch { arch, scenarios, options }, out);
         }
+    }
+
+    /// Solves one chunk. Rows that their specialised equations cannot solve are integrated by the general ones.
+    fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
+        let Batch { scenarios, .. } = batch;
+        for (row, (scenario, out)) in scenarios.iter().zip(&mut *out).enumerate() {
+            if let Err(reason) = self.add(row as u32, set, &Features::of(scenario, batch)) {
+                *out = Outcome::failed(reason);
+            }
+        }
+        for list in self.systems.lists() {
+            for row in list.solve(batch, out) {
+                if let Err(reason) = self.general.add(row, set, &Features::of(&scenarios[row as usize], batch)) {
+                    out[row as usize] = Outcome::failed(reason);
+                }
+            }
+        }
+        self.closed.solve(set, batch, out);
+        self.general.solve(set, batch, out);
+    }
+
+    /// Assigns a row to its path.
+    #[inline]
+    fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
+        let rows = if let Some(rows) = self.closed.rows_like(features) {
+            rows
+        } else if features.is_exact {
+            return Err(Failure::NoExactSolution);
+        } else if let Some(rows) = self.systems.rows_like(features) {
+            rows
+        } else {
+            return self.general.add(row, set, features);
+        };
+        plan::check(set, features.active, features.scenario)?;
+        rows.push(row);
+        Ok(())
     }
 }
 
-/// The effects with which a test has no closed form, beside flows.
+/// The effects that rule out the closed form, as constant flows do.
 pub const WITHOUT_CLOSED_FORM: EffectSet = sets::on_the_gas(EffectSet::ALL).without(closed::kept::EFFECTS);

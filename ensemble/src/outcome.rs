@@ -1,14 +1,14 @@
-//! What one row of a study gives back. SI units.
+//! The result of one row of a study. SI units.
 
 use thiserror::Error;
 
-/// Share of the distance from peak to end within which a relaxation counts as settled.
+/// A relaxation has settled once it stays within this fraction of its peak-to-final distance.
 pub const SETTLED: f64 = 0.01;
-/// Share of its pressure by which a record that stands may tremble.
+/// Rounding noise of a constant record, relative to its pressure.
 pub const ROUNDING: f64 = 1e-12;
 
-/// The paper's evaluation of one test: P = Pf + ΔP e^(−t/τ) by least squares over the samples of a 100 Hz record from
-/// its peak on, then steps 2 to 7.
+/// The paper's evaluation of one test: a least-squares fit of P = Pf + ΔP e^(−t/τ) to the samples of a 100 Hz record from its peak
+/// on, then steps 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// Pf, Pa.
@@ -21,41 +21,41 @@ pub struct Fit {
     pub lambda_av_w_per_m2_k: f64,
     /// λ0, W/(m² K): step 7.
     pub lambda0_w_per_m2_k: f64,
-    /// How far the record is from the exponential at most, as a share of its own rise.
+    /// Largest residual, relative to the record's own range.
     pub misfit: f64,
 }
 
-/// Results of one scenario; numbers are NaN where `status` is an error.
+/// Results of one scenario; numbers are NaN if `status` is an error.
 ///
-/// Pressures are those of the trace, as the sensor shows it (without sensor effects: the gas's); temperatures are the gas's.
+/// Pressures are sensor readings (without sensor effects: gas pressures); temperatures are gas temperatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Largest pressure of the trace from the end of the push on, for an expansion the smallest, Pa.
+    /// Largest pressure from the end of the push on, Pa; the smallest for an expansion.
     pub pressure_peak_pa: f64,
     /// Pressure at the end of the test, Pa.
     pub pressure_final_pa: f64,
     /// Gas temperature at the end of the test, K.
     pub temperature_final_k: f64,
-    /// Largest gas temperature from the end of the push on, for an expansion the smallest, K.
+    /// Largest gas temperature from the end of the push on, K; the smallest for an expansion.
     pub temperature_peak_k: f64,
-    /// The paper's regression, where it was asked for and the record allows one.
+    /// The paper's regression, if requested and if the record determines it.
     pub fit: Option<Fit>,
-    /// From the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final one, s.
-    /// None when not settled in time: where it is within that 1 % only because the test ends. Then more than the 1 % is still to
-    /// come as the gas takes the temperature of the wall and the sensor shows it, or gas that flows in or out as at the end changes
-    /// more in as long as the hold has lasted, or a sensor drifts by more; so too where the pressure peaks at the end.
+    /// Time from the end of the push until the pressure stays within 1 % of its peak-to-final distance of the final pressure, s.
+    /// None if the pressure is within that 1 % only because the test ends: if more than 1 % is still to come until the gas has the
+    /// wall's temperature and the sensor shows it, if at the final rate the flow of gas or the sensor's drift would change the
+    /// pressure by more than that over another hold of the same duration, or if the pressure peaks at the end.
     pub settling_time_s: Option<f64>,
-    /// Whether it has not settled for one reason only: gas goes on to flow in or out, or the sensor drifts.
+    /// Whether continuing flow or sensor drift is the only reason why it has not settled.
     pub flows_on: bool,
-    /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) where the
-    /// piston rests. The integrals are quadratures beside the integrator's states; zero for the exact solution, and of the push
-    /// alone where the hold is an integral over the temperature or solved by collocation.
+    /// Closure of the energy balance: |U(t) − U(0) − ∫Q̇ dt − ∫ḣ dt + ∫P dV| over the work of the push, or over U(0) if the piston
+    /// does not move. The integrals are quadratures independent of the integrator's states. Zero for the exact solution; covers the
+    /// push alone if the hold is an integral over temperature or solved by collocation.
     pub energy_error: f64,
-    /// Length of the test, s.
+    /// Duration of the test, s.
     pub duration_s: f64,
     /// Whether the exact solution was used.
     pub exact: bool,
-    /// Why there is no result.
+    /// Why there is no result, if there is none.
     pub status: Result<(), Failure>,
 }
 
@@ -78,23 +78,23 @@ impl Outcome {
     }
 }
 
-/// How the record of a test stands at its end, Pa. It has settled where neither what is to come nor what goes on is more than 1 % of
-/// its distance: else it is within its band only because the test ends.
+/// Changes of a record that are outstanding at its end, Pa. It has settled if neither of them exceeds 1 % of its peak-to-final
+/// distance; otherwise it is within the band only because the test ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Standing {
-    /// From its peak to its end.
+    /// Distance from peak to end.
     pub distance: f64,
-    /// What it still loses or gains once the gas has come to rest ([`to_be_lost`]), and the sensor has shown all of that.
+    /// Change until the gas has come to rest ([`to_be_lost`]) and the sensor shows it.
     pub to_come: f64,
-    /// What goes on as at the end changes in as long as the hold has lasted: gas that flows in or out, past a leak for instance, and
-    /// a sensor that drifts.
+    /// Change over another hold of the same duration by what continues at its final rate: flow of gas, through a leak for instance,
+    /// and sensor drift.
     pub going_on: f64,
-    /// Whether it shows a hold in which nothing changes.
+    /// Whether the record is constant during the hold.
     pub stands: bool,
 }
 
 impl Standing {
-    /// [`Outcome::settling_time_s`] from when it is within its band, s, and [`Outcome::flows_on`].
+    /// Returns [`Outcome::settling_time_s`] and [`Outcome::flows_on`], given when the record enters its band, s.
     pub fn judge(&self, settling: f64) -> (Option<f64>, bool) {
         let small = |change: f64| change <= SETTLED * self.distance;
         let [at_rest, tight] = [self.to_come, self.going_on].map(small);
@@ -103,15 +103,15 @@ impl Standing {
     }
 }
 
-/// What the gas still loses once it has the temperature of the wall, P (1 − Tamb/T), Pa or K: or, if it is on no way there, what it
-/// loses in as long as the hold has lasted at the rate of its end. Gas that a flow or a wall of its own keeps warm never has the
-/// temperature of the surroundings.
+/// Pressure that the gas still loses until it has the wall's temperature, P (1 − Tamb/T), Pa or K; or, if it does not approach that
+/// temperature, what it loses at its final rate over another hold of the same duration. Gas kept warm by a flow or by a heated wall
+/// never reaches ambient temperature.
 pub fn to_be_lost(to_the_wall: f64, at_its_rate: f64) -> f64 {
     if at_its_rate.abs() < SETTLED * to_the_wall.abs() { at_its_rate } else { to_the_wall }
 }
 
-/// Closure of an energy balance: energies at the start and at the end, what the gas has received less its work, and the
-/// magnitude of the work that it is relative to, or else the start.
+/// Relative closure error of an energy balance, from the energies at start and end, the energy received less the work done, and the
+/// magnitude of the work. Relative to that work or, if it is zero, to the initial energy.
 pub fn closure(start: f64, end: f64, received: f64, work: f64) -> f64 {
     (end - start - received).abs() / if work == 0.0 { start } else { work.abs() }
 }
@@ -119,7 +119,7 @@ pub fn closure(start: f64, end: f64, received: f64, work: f64) -> f64 {
 /// Why a scenario has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 pub enum Failure {
-    /// A number that must be positive is not.
+    /// A number that must be positive is not positive.
     #[error("{0} must be a positive number")]
     NotPositive(&'static str),
     /// A number is infinite or missing.
@@ -128,13 +128,13 @@ pub enum Failure {
     /// The stroke leaves no gas volume.
     #[error("the gas volume is not positive along the whole stroke")]
     NoVolume,
-    /// The test is over before the push.
+    /// The test ends before the push does.
     #[error("the test ends before the push does")]
     EndsInPush,
-    /// Effects are active that the batch was not told of.
+    /// An active effect is not in the batch's set.
     #[error("an effect is active that the batch does not include")]
     EffectNotInSet,
-    /// The exact solution was demanded where there is none.
+    /// The exact solution was requested but does not exist.
     #[error(
         "the exact solution needs a closed chamber, with no effects but those that keep it, and a record that is late by less than its push and its hold"
     )]
@@ -142,10 +142,10 @@ pub enum Failure {
     /// The outflow has emptied the chamber.
     #[error("the chamber runs empty")]
     Empty,
-    /// The equations cannot be followed further.
+    /// No step, however small, meets the tolerance.
     #[error("no integration step, however small, keeps the error within the tolerance")]
     StepTooSmall,
-    /// The integration took more steps than a test may.
+    /// The integration exceeded its step limit.
     #[error("the integration takes more steps than are allowed")]
     TooManySteps,
 }

@@ -1,5 +1,5 @@
-//! A scenario cut into stretches of time over which its boundary is linear, after a check of its numbers: the push and the hold, and
-//! parts of these where the record is late.
+//! Checks a scenario's numbers and cuts it into stretches of time over which its boundary is linear: the push and the hold, each cut
+//! once more if the record is delayed.
 
 use crate::integrator::clock::Clock;
 use crate::outcome::Failure;
@@ -10,56 +10,47 @@ use chamber::effects::{self, EffectSet};
 /// A part of a test over which its boundary is linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Time since the start, s, that the record has reached when it shows the stretch's start.
+    /// Time of the record at which it shows the stretch's start, s.
     pub elapsed: f64,
-    /// Length, s.
+    /// Duration, s.
     pub length: f64,
-    /// The boundary at its start, of which the position moves on with the velocity.
+    /// Boundary at its start; the position changes with the velocity.
     pub start: Boundary,
-    /// The clock that steps are taken by.
+    /// The integrator's clock.
     pub clock: Clock,
 }
 
 impl Stretch {
-    /// From a position, m, on with a velocity, m/s, for so long, s.
+    /// A stretch of `length`, s, that starts at a position, m, with a velocity, m/s.
     fn new(s: &Scenario, position: f64, velocity: f64, length: f64) -> Self {
         Self { elapsed: 0.0, length, start: s.boundary(position, velocity), clock: Clock::default() }
     }
 
-    /// The boundary a time `t`, s, after the stretch's start.
+    /// Boundary a time `t`, s, after the stretch's start.
     pub fn boundary(&self, t: f64) -> Boundary {
         Boundary { position: self.start.position + self.start.velocity * t, ..self.start }
     }
 }
 
 /// A checked scenario, ready to integrate.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Plan {
-    /// Effects that are not neutral.
+    /// Active effects.
     pub active: EffectSet,
     /// Stretches from the start to the end of the test.
     pub stretches: Vec<Stretch>,
-    /// End of the push, s.
-    pub push_end: f64,
-    /// End of the test, s.
-    pub duration: f64,
-    /// Time by which the sensor's record is behind the gas, s.
-    pub delay: f64,
-    /// The record shows, from the end of the push to the end of the test, the gas of the stretches from the first of
-    /// these indices to before the second.
+    /// Half-open range of the stretches that the record shows between the end of the push and the end of the test.
     pub window: [usize; 2],
     /// The first stretch after the push.
     pub hold: usize,
-    /// Whether the piston leaves more gas volume than it found.
-    pub expands: bool,
-    /// Whether it starts where the law of its heat transfer is no power series; the clock is bent there.
+    /// Whether it starts where its heat transfer law has no power series; the first clock is bent then.
     pub starts_singular: bool,
 }
 
-/// Within so many kelvin of the wall's temperature a start is one from there.
+/// A start within this distance of the wall's temperature, K, counts as a start at that temperature.
 const NEAR_EQUILIBRIUM_K: f64 = 1.0;
 
-/// Whether a scenario with these active effects starts where the law of its heat transfer is no power series.
+/// Whether a scenario with these active effects starts where its heat transfer law has no power series.
 pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
     let Scenario { chamber, ambient_temperature_k, initial_temperature_k, .. } = scenario;
     let excess = || initial_temperature_k - chamber.effects.rest_temperature(*ambient_temperature_k);
@@ -70,18 +61,17 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
 pub const MOST_STRETCHES: usize = 4;
 
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches, in the memory of others.
-    pub fn new(others: Vec<Stretch>, set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
+    pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
-        let mut stretches = others;
-        stretches.clear();
+        let mut stretches = Vec::with_capacity(MOST_STRETCHES);
         stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
         stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
-        // In the order of their times: a later one leaves the indices of the others as they are.
+        // In chronological order, so that a split does not shift indices found earlier.
         let from = split(&mut stretches, begin);
         let (hold, to) = if push_end < end {
             let hold = split(&mut stretches, push_end);
@@ -103,12 +93,11 @@ impl Plan {
             let first = &mut stretches[0];
             first.clock = first.clock.bent(first.length);
         }
-        let expands = scenario.expands();
-        Ok(Self { active, stretches, push_end, duration, delay, window: [from, to], hold, expands, starts_singular })
+        Ok(Self { active, stretches, window: [from, to], hold, starts_singular })
     }
 }
 
-/// Numbers of a scenario that must be positive.
+/// The numbers of a scenario that must be positive.
 #[inline(always)]
 fn positive_numbers(s: &Scenario) -> [(&'static str, f64); 11] {
     let c = &s.chamber;
@@ -127,11 +116,11 @@ fn positive_numbers(s: &Scenario) -> [(&'static str, f64); 11] {
     ]
 }
 
-/// Others that must be finite, and whether they are.
+/// The numbers that must be finite, and whether they are.
 #[inline(always)]
 fn finite_numbers(active: EffectSet, s: &Scenario) -> [(&'static str, bool); 7] {
     let c = &s.chamber;
-    // Bounds that are numbers: what `is_finite` and infinity come to here is many times as long.
+    // Comparisons with finite bounds compile to far less code here than `is_finite` or infinite bounds.
     let finite = |value: &f64| value.abs() <= f64::MAX;
     let at_least_zero = |value: f64| (0.0..=f64::MAX).contains(&value);
     [
@@ -139,17 +128,17 @@ fn finite_numbers(active: EffectSet, s: &Scenario) -> [(&'static str, bool); 7] 
         ("the heat transfer coefficient", at_least_zero(c.heat_transfer.coefficient)),
         ("the mass flow in (zero or more)", at_least_zero(s.mass_flow_in_kg_per_s)),
         ("the mass flow out (zero or more)", at_least_zero(s.mass_flow_out_kg_per_s)),
-        // Those of effects that are not active are neutral.
+        // Parameters of inactive effects are neutral.
         ("an effect's parameter", active.iter().all(|effect| c.effects.of(effect).iter().all(finite))),
         ("the initial position", finite(&s.initial_position_m)),
         ("the final position", finite(&s.final_position_m)),
     ]
 }
 
-/// Whether a scenario's numbers make sense, and its active effects are in `set`.
+/// Checks that a scenario's numbers are valid and that its active effects are in `set`.
 pub fn check(set: EffectSet, active: EffectSet, s: &Scenario) -> Result<(), Failure> {
     let positive = |value: f64| value > 0.0 && value <= f64::MAX;
-    // All at once, and one by one only where one is wrong.
+    // All at once; one by one only if one is wrong.
     if !positive_numbers(s).iter().fold(true, |all, (_, value)| all & positive(*value)) {
         let first = positive_numbers(s).into_iter().find(|(_, value)| !positive(*value));
         return Err(Failure::NotPositive(first.unwrap_or_default().0));
@@ -174,7 +163,7 @@ pub fn check(set: EffectSet, active: EffectSet, s: &Scenario) -> Result<(), Fail
     check_duration(s)
 }
 
-/// Whether a test ends, and after its push.
+/// Checks that a test's duration is finite and exceeds its push.
 pub fn check_duration(s: &Scenario) -> Result<(), Failure> {
     if !s.duration_s.is_finite() {
         return Err(Failure::NotFinite("the duration"));
@@ -182,7 +171,7 @@ pub fn check_duration(s: &Scenario) -> Result<(), Failure> {
     if s.duration_s <= s.push_time_s { Err(Failure::EndsInPush) } else { Ok(()) }
 }
 
-/// Makes a stretch begin at time `t` and returns its index; the number of stretches where `t` is the end.
+/// Makes a stretch begin at time `t` and returns its index, or the number of stretches if `t` is the end.
 fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
     let mut begin = 0.0;
     for i in 0..stretches.len() {

@@ -1,12 +1,9 @@
-//! What one row of a study asks for, and how a run goes about it. SI units.
+//! The push-and-hold test, one row of a study, and the options of a run. SI units.
 
-use crate::sets;
 use chamber::Chamber;
 use chamber::balance::Boundary;
-use chamber::card::Balance;
-use chamber::effects::{self, EffectSet};
 
-/// The paper's push-and-hold test of one chamber: the piston moves linearly from one position to another, then rests.
+/// The paper's push-and-hold test of one chamber: the piston moves from one position to another at constant velocity, then rests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// The chamber, its effects' parameters included.
@@ -19,7 +16,7 @@ pub struct Scenario {
     pub final_position_m: f64,
     /// Duration of the push, s.
     pub push_time_s: f64,
-    /// Length of the test, from the start of the push to the end of the hold, s.
+    /// Duration of the test from the start of the push to the end of the hold, s.
     pub duration_s: f64,
     /// Gas temperature before the push, K.
     pub initial_temperature_k: f64,
@@ -29,14 +26,14 @@ pub struct Scenario {
     pub ambient_pressure_pa: f64,
     /// Constant mass flow into the chamber, kg/s.
     pub mass_flow_in_kg_per_s: f64,
-    /// Its temperature, K.
+    /// Temperature of the inflow, K.
     pub temperature_in_k: f64,
-    /// Constant mass flow out of the chamber, kg/s, at the gas's temperature.
+    /// Constant mass flow out of the chamber at the gas's temperature, kg/s.
     pub mass_flow_out_kg_per_s: f64,
 }
 
 impl Scenario {
-    /// A push-and-hold test of a closed chamber at ambient temperature: positions in m, times in s.
+    /// A test of a closed chamber, initially at an ambient temperature of 293 K; positions in m, times in s.
     pub fn push(
         chamber: Chamber,
         initial_pressure_pa: f64,
@@ -61,7 +58,7 @@ impl Scenario {
         }
     }
 
-    /// What the test imposes on the chamber while the piston is at a position, m, and moves with a velocity, m/s.
+    /// The boundary conditions while the piston is at a position, m, and moves with a velocity, m/s.
     pub fn boundary(&self, position: f64, velocity: f64) -> Boundary {
         Boundary {
             position,
@@ -74,51 +71,45 @@ impl Scenario {
         }
     }
 
-    /// Whether the piston leaves more gas volume than it found.
+    /// Whether the push increases the gas volume.
     #[inline]
     pub(crate) fn expands(&self) -> bool {
         self.final_position_m > self.initial_position_m
     }
 
-    /// Length of the hold, s.
+    /// Duration of the hold, s.
     #[inline]
     pub(crate) fn hold_s(&self) -> f64 {
         self.duration_s - self.push_time_s
     }
 
-    /// Whether no gas enters or leaves but by effects.
+    /// Whether there are no constant flows. Effects may still let gas pass.
     #[inline]
     pub(crate) fn is_sealed(&self) -> bool {
         self.mass_flow_in_kg_per_s == 0.0 && self.mass_flow_out_kg_per_s == 0.0
     }
 
-    /// The larger of two values, of an expansion the smaller.
+    /// The larger of two values, or the smaller for an expansion.
     #[inline]
     pub(crate) fn peak(&self, [a, b]: [f64; 2]) -> f64 {
         if self.expands() { a.min(b) } else { a.max(b) }
     }
 }
 
-/// Whether gas may enter or leave a test's chamber with these active effects. What passes to a tube and back stays gas of the test.
-pub fn lets_gas_pass(active: EffectSet, s: &Scenario) -> bool {
-    let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
-    !s.is_sealed() || sets::on_the_gas(active).iter().any(passes)
-}
-
-/// How a batch is solved.
+/// The solution method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// The exact solution where it applies (no flow, no effect but those that keep it), the integrator elsewhere.
+    /// The exact solution where it applies (no flows, only effects that keep it), the integrator elsewhere.
     #[default]
     Auto,
-    /// The exact solution only; where it does not apply the row fails and says so.
+    /// The exact solution only; a row without one fails.
     Exact,
-    /// The adaptive integrator throughout.
+    /// The adaptive integrator for every row.
     Adaptive,
 }
 
 impl Solver {
-    /// Its name in files and on the command line.
+    /// The name used in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Solver::Auto => "auto",
@@ -128,20 +119,20 @@ impl Solver {
     }
 }
 
-/// How a batch is run.
+/// Options of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Which solver.
+    /// The solution method.
     pub solver: Solver,
     /// Relative tolerance of the adaptive integrator's local error.
     pub relative_tolerance: f64,
-    /// Whether to evaluate the paper's regression.
+    /// Whether to run the paper's regression.
     pub fit: bool,
 }
 
 impl Options {
-    /// Relative tolerance unless told otherwise: peak and final pressure of 131 072 random
-    /// closed tests of 10 s then stayed within 1.4e-10 of the closed form (1e-9: 1.5e-8).
+    /// Default relative tolerance: with it, peak and final pressure of 131 072 random closed tests of 10 s stayed within 1.4e-10 of
+    /// the closed form (1e-9: 1.5e-8).
     pub const RELATIVE_TOLERANCE: f64 = 1e-10;
 }
 

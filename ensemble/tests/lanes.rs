@@ -1,4 +1,4 @@
-//! The balances in lanes against the same in plain numbers.
+//! The balances in lanes against those in plain numbers.
 
 #[path = "../../chamber/tests/common/any.rs"]
 mod any;

@@ -1,8 +1,7 @@
-//! Memory stays bounded whatever the rows: a fast sensor behind flowing gas is a filter of a known pressure and costs no
-//! steps, and a history of steps that grows long is read in smaller groups of rows.
+//! Memory stays bounded for any rows: a fast sensor with flowing gas is a filter of a known pressure and costs no steps, and a long
+//! history of steps is read in smaller groups of rows.
 //!
-//! The rows are solved by a process of its own with 256 MB of address space. `PNEUTHERM_ROWS=100000` solves as many as a
-//! study has.
+//! The rows are solved by a separate process with 256 MB of address space. `PNEUTHERM_ROWS=100000` solves as many as a study has.
 #![cfg(unix)]
 
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects};
@@ -15,7 +14,7 @@ fn rows() -> usize {
     std::env::var(ROWS).ok().and_then(|rows| rows.parse().ok()).unwrap_or(4 * CHUNK)
 }
 
-/// Runs a test of this file that is not run otherwise, in little memory.
+/// Runs an ignored test of this file in little memory.
 fn in_little_memory(test: &str) {
     let program = std::env::current_exe().unwrap();
     let limited = format!("ulimit -v 262144 && exec '{}' --exact {test} --ignored --test-threads 1", program.display());
@@ -32,7 +31,7 @@ fn test(row: usize) -> Scenario {
     scenario
 }
 
-/// Solves rows that `change` makes of a test, all of which must be solved.
+/// Solves rows with an effect, all of which must succeed; `value` is the effect's first parameter.
 fn solve(effect: &str, value: f64) {
     let place = effects::find(effect).unwrap().0;
     let (mut kernel, options) = (Kernel::default(), Options::default());

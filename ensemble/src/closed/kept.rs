@@ -1,13 +1,13 @@
-//! The closed form where effects keep it: a heat transfer that depends on the volume and the piston's speed alone, a wall of
-//! constant temperature.
+//! The closed form with effects that keep it: heat transfer that depends on volume and piston speed alone, and a wall of constant
+//! temperature.
 //!
-//! du/dt + (b Tw − (γ − 1) V̇/V) u = b with u = 1/T and b = c f(V) A(V)/√V, where f and A are what the effects make of
-//! λ and of the area at the speed of the ramp, or at rest. Over a ramp, with q = √V as the variable, b dt = d c f A dx for x
-//! from 0 to 1 (d the dwell, see [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)). How much 1/T grows up to each node
-//! of a 16-point Gauss–Legendre rule is that rule's own integral of Tw d c f A − 2 (γ − 1) q'/q, by a matrix: the integrals of
-//! the polynomial through the nodes. By the same matrix 1/T follows at the nodes.
+//! du/dt + (b Tw − (γ − 1) V̇/V) u = b with u = 1/T and b = c f(V) A(V)/√V, where f is the effects' factor of λ and A the area with
+//! the effects, at the speed of the ramp or at rest. Over a ramp, with q = √V as the variable, b dt = d c f A dx for x from 0 to 1
+//! (d the dwell, see [`Closed::ramp_part`](chamber::exact::Closed::ramp_part)). The logarithm of the homogeneous solution up to each
+//! node of a 16-point Gauss–Legendre rule is the integral of Tw d c f A − 2 (γ − 1) q'/q, computed by a matrix: the integrals of the
+//! polynomial through the nodes. The same matrix yields 1/T at the nodes.
 //!
-//! Where c f A is linear in V the equation is the paper's with other constants, and so is its solution ([`Exchange::line`]).
+//! If c f A is linear in V, equation and solution are the paper's with other constants ([`Exchange::line`]).
 
 use crate::lanes::Lanes;
 use crate::numerics::gauss::{Mirrored, NODES, RULE, node};
@@ -22,23 +22,22 @@ use core::hint::black_box;
 /// Effects that keep the closed form.
 pub const EFFECTS: EffectSet = effects_where!(card => matches!(card.closed_form, ClosedForm::Kept));
 
-/// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, of chambers with effects that keep the closed form.
+/// c f A, K^-1 s^-1 m^1.5, and the wall's temperature, K, for chambers with effects that keep the closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange<'a> {
     set: EffectSet,
-    /// c/λ0, to be multiplied by λ and the area.
+    /// c/λ0; multiplied by λ and the area it gives c f A.
     per_coefficient: Lanes,
     balance: &'a Balances<Lanes>,
-    /// A state of the gas: what the effects look at beside the volume does not matter.
+    /// Piston velocity and ambient temperature; these effects depend on nothing else but the volume.
     boundary: Boundary<Lanes>,
 }
 
-/// By how much, over itself, c f A may miss a line through it that stands for it.
+/// Relative deviation from a line up to which c f A counts as linear.
 const ROUNDING: f64 = 4e-15;
 
 impl<'a> Exchange<'a> {
-    /// Of a chamber in surroundings of that temperature, K, whose closed form without the effects is `closed`, while its
-    /// piston rests.
+    /// For resting pistons, given the closed form without the effects and the ambient temperature, K.
     #[inline(always)]
     pub fn new(
         set: EffectSet,
@@ -49,12 +48,12 @@ impl<'a> Exchange<'a> {
         let law = &balance.chamber.heat_transfer;
         let scale = (closed.mass_gas_constant * law.reference_pressure * law.reference_temperature).sqrt();
         let boundary = Boundary::closed(Lanes::ZERO, ambient_temperature, Lanes::from(1e5));
-        // So that the code has no others.
+        // Excludes the code of all other effects.
         let set = set.intersection(EFFECTS);
         Self { set, per_coefficient: closed.expansion / scale, balance, boundary }
     }
 
-    /// From now on of a piston with that velocity, m/s.
+    /// Sets the piston's velocity, m/s.
     #[inline(always)]
     pub fn move_at(&mut self, velocity: Lanes) {
         self.boundary.velocity = velocity;
@@ -74,9 +73,9 @@ impl<'a> Exchange<'a> {
         self.conditions(Lanes::from(1e-3)).wall_temperature
     }
 
-    /// c f A over a ramp between two volumes, m³, where its values at these are `ends`, as a line over V like
-    /// [`Closed::exchange`], and by how much it misses that line at the end, less than what is rounding: none where it is not
-    /// positive. The line goes through the start and a third place, as both ends may be one.
+    /// c f A over a ramp between two volumes, m³, as a line over V like [`Closed::exchange`], and its deviation from that line at the
+    /// end beyond rounding: linear if that is not positive. `ends` are the values at both volumes. The line goes through the start
+    /// and a third volume, as both ends may coincide.
     #[inline(always)]
     pub fn line(&self, [from, to]: [Lanes; 2], ends: [Lanes; 2]) -> ([Lanes; 2], Lanes) {
         let slope = (self.at(from + to) - ends[0]) / to;
@@ -85,13 +84,13 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Heat that is exchanged with a wall at a rate that depends, over a ramp, on the volume alone. What differs is a trait's, not closures:
-/// these would be compiled for any machine.
+/// Heat exchange with a wall at a rate that depends, over a ramp, on the volume alone. A trait, as closures would be compiled without
+/// the wide instructions.
 pub trait Heat: Sized {
     /// c f A at a volume, m³.
     fn at(&self, volume: Lanes) -> Lanes;
 
-    /// 1/T at the end of one of the equal parts of a ramp, from that at its start.
+    /// 1/T at the end of a part of a ramp, from 1/T at its start.
     #[inline(always)]
     fn end(&self, part: &RampPart, inverse: Lanes) -> Lanes {
         part.end(self, inverse)
@@ -120,12 +119,12 @@ impl Heat for Closed<Lanes> {
     }
 }
 
-/// One of the equal parts, in √V, of a ramp.
+/// One of the parts of a ramp, which are equal in √V.
 #[derive(Clone, Copy, Debug)]
 pub struct RampPart {
-    /// √V at its start, and its rise.
+    /// √V at its start.
     pub root: Lanes,
-    /// The rise of √V.
+    /// Change of √V.
     pub step: Lanes,
     /// The dwell, s m^-½.
     pub dwell: Lanes,
@@ -136,8 +135,8 @@ pub struct RampPart {
 }
 
 impl RampPart {
-    /// At the nodes b dt/dx, in 1/K, into `exchange`, and how fast ln(1/T) grows where nothing is fed into `rates`; the
-    /// factor by which 1/T so grows over the whole. (Arrays of lanes are too large to be handed back.)
+    /// Writes b dt/dx at the nodes, 1/K, to `exchange` and the derivative of the homogeneous solution's logarithm to `rates`. Returns
+    /// the factor of the homogeneous solution over the whole part. (Arrays of lanes are too large to return.)
     #[inline(always)]
     fn along(&self, heat: &impl Heat, exchange: &mut [Lanes; NODES], rates: &mut [Lanes; NODES]) -> Lanes {
         let (mut exchanged, expansion) = (Lanes::ZERO, self.expansion * 2.0);
@@ -151,7 +150,7 @@ impl RampPart {
         (self.wall * exchanged - expansion * (Lanes::ONE + self.step / self.root).ln()).exp()
     }
 
-    /// 1/T at its end, from that at its start.
+    /// 1/T at its end, from 1/T at its start.
     #[inline(always)]
     fn end(&self, heat: &impl Heat, inverse: Lanes) -> Lanes {
         let [mut exchange, mut grown] = [[Lanes::ZERO; NODES]; 2];
@@ -164,7 +163,7 @@ impl RampPart {
         (inverse + integral) / total
     }
 
-    /// 1/T at its nodes, from that at its start, into `values`, and at its end.
+    /// Writes 1/T at its nodes to `values` and returns 1/T at its end, from 1/T at its start.
     #[inline(always)]
     pub fn nodes(&self, heat: &impl Heat, inverse: Lanes, values: &mut [Lanes; NODES]) -> Lanes {
         let (rule, mut grown, mut integral) = (&*RULE, [Lanes::ZERO; NODES], Lanes::ZERO);

@@ -1,19 +1,18 @@
-//! Rows by their closed forms, by kind: see [`rows`].
+//! Rows with closed forms, grouped by kind: see [`rows`].
 
 pub mod kept;
 pub mod readings;
 mod rows;
 mod test;
 
-use crate::batch::Batch;
-use crate::features::Features;
-use crate::filter::Behind;
+use crate::batch::{Batch, Features};
 use crate::outcome::Outcome;
 use crate::plan;
+use crate::sensor::Sensor;
 use chamber::effects::{self, EffectSet};
 
-/// How many kinds of rows there are: without effects that keep the closed form, or with some and one of two area laws; that show the
-/// gas, or by sensors that lag or do not, and are delayed or are not.
+/// Number of kinds: without effects that keep the closed form, or with some and one of two area laws; times without sensor effects, or
+/// with or without a lag and with or without a delay.
 const KINDS: usize = 3 * 5;
 
 /// A chunk's rows with closed forms, by kind.
@@ -24,23 +23,24 @@ pub struct ClosedRows {
 }
 
 impl ClosedRows {
-    /// The rows of the kind of such a row, where there is a closed form and it is the quicker way or the only one wanted.
+    /// The list for a row, if it has a closed form and that is the faster or the only allowed method.
     #[inline]
     pub fn rows_like(&mut self, row: &Features) -> Option<&mut Vec<u32>> {
         let s = row.scenario;
-        // A record that is late by more than the push or the hold shows other parts of the test.
+        // A record delayed by more than the push or the hold shows other parts of the test.
         let shortest = s.push_time_s.min(s.hold_s());
-        let in_time = |b: Behind| plan::check_duration(s).is_err() || b.delay < shortest;
+        let in_time = |sensor: Sensor| plan::check_duration(s).is_err() || sensor.delay < shortest;
         let is_closed = !row.integrates
             && row.is_sealed
             && kept::EFFECTS.contains(row.of_gas)
-            && row.behind.is_none_or(|b| in_time(b) && (row.is_exact || readings::is_quick(&b, s)));
+            && row.sensor.is_none_or(|sensor| in_time(sensor) && (row.is_exact || readings::is_quick(&sensor, s)));
         let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
-        let shown = row.behind.map_or(0, |b| 1 + usize::from(b.sensor.lag > 0.0) + 2 * usize::from(b.delay > 0.0));
+        let shown =
+            row.sensor.map_or(0, |sensor| 1 + usize::from(sensor.lag > 0.0) + 2 * usize::from(sensor.delay > 0.0));
         is_closed.then(|| &mut self.lists[gas + 3 * shown])
     }
 
-    /// Solves all, after which there are none.
+    /// Solves all rows and empties the lists.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         for (kind, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };

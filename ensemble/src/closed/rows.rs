@@ -1,6 +1,5 @@
-//! Tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed
-//! form ([`kept`](crate::closed::kept)), and what a sensor shows of either ([`readings`]). No integration, no
-//! tolerance.
+//! Solves tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed form
+//! ([`kept`](crate::closed::kept)), and the sensor's readings of either ([`readings`]). No integration, no tolerance.
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
@@ -8,7 +7,6 @@ use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
 use crate::ending::HoldsEnded;
-use crate::filter::Behind;
 use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
@@ -18,6 +16,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::regression::relaxing::{self, ENDS, Relaxing, STEEP_ENDS};
 use crate::regression::{Guess, Records, Regressions};
 use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use chamber::balance::Balances;
 use chamber::effects::EffectSet;
 use chamber::exact::Closed;
@@ -25,26 +24,19 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// What is kept from one batch to the next.
+/// Working memory, kept from one batch to the next.
 #[derive(Default)]
 pub struct Memory {
     chambers: Chambers,
-    buffers: Buffers,
-}
-
-/// Buffers for what is asked of the records.
-#[derive(Default)]
-struct Buffers {
     records: Records,
     readings: readings::Memory,
 }
 
-/// Solves checked scenarios by their numbers. `set` are effects that keep the closed form; where there are any,
-/// all rows have their area law in common. `shown` are effects on the reading, none where the record shows the gas; all
-/// sensors lag or none, and all are delayed or none.
+/// Solves checked scenarios, given by their indices. `set` are the effects that keep the closed form; if there are any, all rows have
+/// the same area law. `shown` are the effects on the reading, if any; all sensors lag or none, and all records are delayed or none.
 pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, rows: &[u32], out: &mut [Outcome]) {
     let Batch { arch, scenarios, options } = batch;
-    let Memory { chambers, buffers } = memory;
+    let Memory { chambers, records, readings } = memory;
     let mut all: Vec<ExactTest> = rows.iter().map(|&row| ExactTest::new(row, &scenarios[row as usize])).collect();
     if set.is_empty() {
         for test in &mut all {
@@ -54,7 +46,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     } else {
         exchange(arch, chambers, set, &mut all, scenarios);
     }
-    // Lanes that wait for one with more parts are few where neighbours have as many: of the push, and of the record.
+    // Sorted by the number of parts of push and record, so that few lanes wait for one with more parts.
     let kind = |test: &ExactTest| {
         let relaxations = test.rate * test.hold;
         let of_record = if options.fit { ENDS.iter().filter(|end| **end < relaxations).count() } else { 0 };
@@ -71,15 +63,15 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
         let tests = Tests::new(&all, order);
         let scenario = |lane: usize| &scenarios[all[order[lane.min(order.len() - 1)] as usize].row as usize];
         let effects = (!set.is_empty()).then(|| (set, chambers.gather(arch, set, |lane| &scenario(lane).chamber)));
-        // Only a sensor that lags or is late shows what was before the end of the push.
-        let behind = (!shown.is_empty()).then(|| Behind::new(shown, &scenario(0).chamber.effects));
-        let nodes = behind.filter(Behind::looks_back).map(|_| &mut buffers.readings.nodes);
+        // Only a sensor with a lag or a delay needs the pressure during the push.
+        let looks_back = Sensor::new(shown, &scenario(0).chamber.effects).looks_back();
+        let nodes = looks_back.then_some(&mut readings.nodes);
         let ends = arch.dispatch(Solve { tests: &tests, effects, nodes });
         let solved = Solved { tests: &tests, ends: &ends };
         let outcomes = if shown.is_empty() {
-            solved.outcomes(arch, &mut buffers.records, options.fit.then_some(is_steep), scenario)
+            solved.outcomes(arch, records, options.fit.then_some(is_steep), scenario)
         } else {
-            solved.readings(arch, buffers, shown, options.fit, scenario)
+            solved.readings(arch, (records, readings), shown, options.fit, scenario)
         };
         for (lane, &test) in order.iter().enumerate() {
             let row = all[test as usize].row as usize;
@@ -93,7 +85,7 @@ pub fn run(batch: Batch, memory: &mut Memory, set: EffectSet, shown: EffectSet, 
     }
 }
 
-/// Gives tests the wall's temperature, the rates and where it is linear the exchange that they have with the effects of a set.
+/// Sets the wall's temperature, the rates and, if it is linear, the heat exchange of tests with the effects of a set.
 fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [ExactTest], scenarios: &[Scenario]) {
     for tests in all.chunks_mut(WIDTH) {
         let at = |lane: usize| lane.min(tests.len() - 1);
@@ -112,24 +104,24 @@ fn exchange(arch: Arch, chambers: &mut Chambers, set: EffectSet, all: &mut [Exac
     }
 }
 
-/// What effects make of tests.
+/// What effects change in the closed form.
 struct Changed {
     /// Temperatures of the walls, K.
     wall: Lanes,
     /// 1/τ_f of the hold, 1/s.
     held: Lanes,
-    /// How many time scales the push lasts.
+    /// Duration of the push in time scales.
     time_scales: Lanes,
-    /// What is exchanged during the push, by a line over the volume, and where that is not enough a positive number.
+    /// Heat exchange during the push as a line over the volume; `bend` is positive if it is not linear.
     exchange: [Lanes; 2],
     bend: Lanes,
 }
 
-/// Works out [`Changed`].
+/// Computes [`Changed`].
 struct Change<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
-    /// Without the effects.
+    /// The tests without the effects.
     tests: &'a Tests,
 }
 
@@ -157,7 +149,7 @@ type Effects<'a> = Option<(EffectSet, &'a Balances<Lanes>)>;
 struct Solve<'a> {
     tests: &'a Tests,
     effects: Effects<'a>,
-    /// For 1/T at the nodes of the push, where it is asked for.
+    /// Receives 1/T at the nodes of the push, if needed.
     nodes: Option<&'a mut Vec<[Lanes; NODES]>>,
 }
 
@@ -181,21 +173,21 @@ impl WithSimd for Solve<'_> {
         };
         let rate = t.rate;
         let end = wall / (Lanes::ONE - (Lanes::ONE - wall / pushed) * (-rate * t.hold).exp());
-        // 1 − Tamb/T decays exponentially: when it reaches the edge of the band around the end.
+        // 1 − Tw/T decays exponentially: the time at which it reaches the edge of the band around the end.
         let edge = end + (pushed - end) * SETTLED;
         let settling = ((Lanes::ONE - wall / pushed) / (Lanes::ONE - wall / edge)).ln() / rate;
         black_box(Ends { pushed, end, rate, settling })
     }
 }
 
-/// A group of tests with how they ended.
+/// A group of solved tests.
 struct Solved<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
 }
 
 impl Solved<'_> {
-    /// How the tests have ended for the gas.
+    /// The ends of the tests, for the gas.
     fn ended(&self, regressions: Option<Regressions>) -> HoldsEnded {
         let Self { tests, ends, .. } = self;
         HoldsEnded {
@@ -208,7 +200,7 @@ impl Solved<'_> {
         }
     }
 
-    /// The outcomes where the record shows the gas, with a regression where it is said whether their records are steep.
+    /// The outcomes without sensor effects; with the regression if `is_steep` is given, which says whether the records are steep.
     fn outcomes<'s>(
         &self,
         arch: Arch,
@@ -225,24 +217,23 @@ impl Solved<'_> {
         core::array::from_fn(|lane| ended.ending(lane, scenario(lane)).outcome())
     }
 
-    /// The outcomes behind sensors, with effects on the reading.
+    /// The outcomes with effects on the reading.
     fn readings<'s>(
         &self,
         arch: Arch,
-        buffers: &mut Buffers,
+        (records, readings): (&mut Records, &mut readings::Memory),
         set: EffectSet,
         fit: bool,
         scenario: impl Fn(usize) -> &'s Scenario,
     ) -> [Outcome; WIDTH] {
         let Self { tests, ends } = *self;
-        let Buffers { records, readings } = buffers;
         let wall = tests.closed.ambient_temperature;
-        let behind = |lane: usize| Behind::new(set, &scenario(lane).chamber.effects);
+        let sensor = |lane: usize| Sensor::new(set, &scenario(lane).chamber.effects);
         let before = Lanes::from_fn(|lane| scenario(lane).initial_pressure_pa);
-        let readings = Readings::new(arch, readings, tests, ends, behind, before);
+        let readings = Readings::new(arch, readings, tests, ends, sensor, before);
         let answers = readings.answers();
         let found = fit.then(|| {
-            readings.lay_out(&answers, records);
+            readings.lay_out(Lanes::from_fn(|lane| answers[lane].peak_time), records);
             let excess = Lanes::from_fn(|lane| 1.0 - wall[lane] / ends.pushed[lane]);
             records.fit(arch, Guess::Relaxation { rate: ends.rate, excess, from: tests.push })
         });
@@ -251,23 +242,22 @@ impl Solved<'_> {
             let scenario = scenario(lane);
             let regression = found.as_ref().and_then(|found| found.lane(lane));
             let gas = ended.ending(lane, scenario).outcome();
-            answers[lane].outcome(scenario, regression, (wall[lane], &behind(lane)), gas)
+            answers[lane].outcome(scenario, regression, (wall[lane], &sensor(lane)), gas)
         })
     }
 }
 
-/// The pressures while the piston rests, P = Pf/(1 − ε e^(−k t)), in Pa.
-struct ExactHold<const FUSED: bool, const STEEP: bool> {
+/// Pressure while the piston rests, P = Pf/(1 − ε e^(−k t)), Pa.
+struct ExactHold<const FUSED: bool> {
     at_rest: Lanes,
     excess: Lanes,
     rate: Lanes,
     slowness: Lanes,
 }
 
-impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> {
-    const ENDS: &'static [f64] = if STEEP { &STEEP_ENDS } else { &ENDS };
+impl<const FUSED: bool> Relaxing for ExactHold<FUSED> {
     type Knot = Lanes;
-    type Course<'a> = &'a Self;
+    type Trajectory<'a> = &'a Self;
 
     #[inline(always)]
     fn knot(&self, relaxations: f64) -> Lanes {
@@ -280,19 +270,19 @@ impl<const FUSED: bool, const STEEP: bool> Relaxing for ExactHold<FUSED, STEEP> 
     }
 
     #[inline(always)]
-    fn course(&self, _: [&Lanes; 2]) -> &Self {
+    fn trajectory(&self, _: [&Lanes; 2]) -> &Self {
         self
     }
 }
 
-impl<const FUSED: bool, const STEEP: bool> Curve for &ExactHold<FUSED, STEEP> {
+impl<const FUSED: bool> Curve for &ExactHold<FUSED> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         self.at_rest / (Lanes::ONE - decay::<FUSED>(time * self.rate) * self.excess)
     }
 }
 
-/// Lays their records out; the answer is a guess of τ.
+/// Lays out the records; returns a guess of τ.
 struct Record<'a> {
     tests: &'a Tests,
     ends: &'a Ends,
@@ -305,28 +295,24 @@ impl WithSimd for Record<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Guess {
-        match (I::IS_SCALAR, self.is_steep) {
-            (true, false) => self.fill::<false, false>(),
-            (true, true) => self.fill::<false, true>(),
-            (false, false) => self.fill::<true, false>(),
-            (false, true) => self.fill::<true, true>(),
-        }
+        if I::IS_SCALAR { self.fill::<false>() } else { self.fill::<true>() }
     }
 }
 
 impl Record<'_> {
     #[inline(always)]
-    fn fill<const FUSED: bool, const STEEP: bool>(self) -> Guess {
-        let Self { tests: t, ends, records, .. } = self;
+    fn fill<const FUSED: bool>(self) -> Guess {
+        let Self { tests: t, ends, records, is_steep } = self;
         let wall = t.closed.ambient_temperature;
         let excess = black_box(Lanes::ONE - wall / ends.pushed);
-        let hold = ExactHold::<FUSED, STEEP> {
+        let hold = ExactHold::<FUSED> {
             at_rest: black_box(t.closed.mass_gas_constant * wall / t.to),
             excess,
             rate: ends.rate,
             slowness: black_box(ends.rate.recip()),
         };
-        relaxing::lay_out(&hold, t.push, black_box(t.push + t.hold), records);
+        let parts = if is_steep { STEEP_ENDS } else { &ENDS };
+        relaxing::lay_out(&hold, parts, t.push, black_box(t.push + t.hold), records);
         Guess::Relaxation { rate: ends.rate, excess, from: t.push }
     }
 }

@@ -1,4 +1,4 @@
-//! Push-and-hold tests that have a closed form: the numbers that it needs, of one and of as many as there are lanes.
+//! Push-and-hold tests that have a closed form, reduced to the numbers it needs: one test, and one per lane.
 
 use crate::closed::kept::{Heat, RampPart};
 use crate::lanes::{Lanes, WIDTH};
@@ -9,16 +9,16 @@ use chamber::exact::Closed;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Up to so many times its last pressure a relaxation is laid out as any other: with it τ errs by 1e-4, with twice as
-/// much by 3e-3.
+/// Ratio of first to last pressure up to which a relaxation needs no finer layout: the error of τ is 1e-4 at this ratio and 3e-3 at
+/// twice as much.
 const STEEP: f64 = 5.0;
 
-/// One test, reduced to the numbers its solution needs.
+/// One test.
 pub struct ExactTest {
     pub row: u32,
-    /// With the effects, but where these bend what is exchanged: then only the wall's temperature is that with them.
+    /// Includes the effects; but if `is_bent`, only their wall temperature.
     pub closed: Closed,
-    /// Whether the exchange during the push is not linear in the volume, by the effects.
+    /// Whether effects make the heat exchange during the push nonlinear in the volume.
     pub is_bent: bool,
     /// 1/τ_f in the hold, 1/s.
     pub rate: f64,
@@ -31,7 +31,7 @@ pub struct ExactTest {
 }
 
 impl ExactTest {
-    /// Without effects, and before it is known how fast it exchanges heat: [`ExactTest::exchange`].
+    /// A test without effects; its rates follow by [`ExactTest::exchange`].
     #[inline]
     pub fn new(row: u32, s: &Scenario) -> Self {
         let [from, to] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
@@ -40,16 +40,16 @@ impl ExactTest {
         Self { row, closed, is_bent: false, rate: 0.0, parts: 0.0, start, from, to, push, hold }
     }
 
-    /// Whether the pressure of the hold may begin at more than [`STEEP`] times that at its end: where all of the push is adiabatic.
+    /// Whether the hold may begin at more than [`STEEP`] times its last pressure, which an adiabatic push bounds.
     #[inline]
     pub fn is_steep(&self) -> bool {
         let Closed { expansion, ambient_temperature: wall, .. } = self.closed;
         let compression = self.from / self.to;
-        // The power is at most one, and is worked out only where one would do: of hardly any test.
+        // The power is at most the compression itself: it is computed only if that suffices, for hardly any test.
         compression * self.start > STEEP * wall && compression.powf(expansion) * self.start > STEEP * wall
     }
 
-    /// Takes 1/τ_f of the hold, 1/s, and how many time scales the push lasts.
+    /// Sets 1/τ_f of the hold, 1/s, and the number of parts, from the duration of the push in time scales.
     #[inline]
     pub fn exchange(&mut self, held: f64, time_scales: f64) {
         self.rate = held;
@@ -57,7 +57,7 @@ impl ExactTest {
     }
 }
 
-/// As many tests as there are lanes.
+/// Tests, one per lane.
 pub struct Tests {
     pub closed: Closed<Lanes>,
     pub rate: Lanes,
@@ -69,7 +69,7 @@ pub struct Tests {
     pub hold: Lanes,
 }
 
-/// How the tests end, by lane: temperatures after push and hold, K, rate of the hold, 1/s, settling time, s.
+/// Ends of the tests, one per lane: temperatures after push and hold, K, rate of the hold, 1/s, settling time, s.
 pub struct Ends {
     pub pushed: Lanes,
     pub end: Lanes,
@@ -78,7 +78,7 @@ pub struct Ends {
 }
 
 impl Tests {
-    /// One of `all` in each lane, the last again in those that are left over.
+    /// The tests of `all` in the given order, the last of them repeated in unused lanes.
     pub fn new(all: &[ExactTest], order: &[u32]) -> Self {
         let tests: [&ExactTest; WIDTH] = core::array::from_fn(|lane| &all[order[lane.min(order.len() - 1)] as usize]);
         let closed = Closed {
@@ -105,7 +105,7 @@ impl Tests {
         (self.to - self.from) / (chamber.geometry.piston_area * self.push)
     }
 
-    /// 1/T at the nodes of each part of the push, into `nodes`; temperatures at its end, K.
+    /// Writes 1/T at the nodes of each part of the push to `nodes`; returns the temperatures at its end, K.
     #[inline(always)]
     pub fn nodes(&self, heat: &impl Heat, nodes: &mut Vec<[Lanes; NODES]>) -> Lanes {
         nodes.resize(self.most_parts(), [Lanes::ZERO; NODES]);
@@ -117,7 +117,7 @@ impl Tests {
         inverse.recip()
     }
 
-    /// In how many parts the push of any of them is taken at most.
+    /// Largest number of parts of any of the pushes.
     #[inline(always)]
     pub fn most_parts(&self) -> usize {
         self.parts.0.iter().fold(1.0, |a: f64, b| a.max(*b)) as usize
@@ -133,7 +133,7 @@ impl Tests {
         RampPart { root: begin + step * index as f64, step, dwell, wall, expansion }
     }
 
-    /// Temperatures at the end of the push, K, each in its own number of parts.
+    /// Temperatures at the end of the push, K, each computed in its own number of parts.
     #[inline(always)]
     pub fn pushed(&self, heat: &impl Heat) -> Lanes {
         let first = self.part(0);

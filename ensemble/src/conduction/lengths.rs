@@ -1,36 +1,36 @@
-//! Lengths of steps through a hold, s, the same for all rows: what the wall remembers and what relaxes both change over as long
-//! as they have lasted, and so the lengths grow in equal ratios. The last step goes to the end.
+//! Lengths of the steps through a hold, s, the same for all rows. The time scales of the wall's memory and of the relaxation both grow
+//! with the elapsed time, and so the lengths are a geometric sequence. The last step goes to the end.
 
 use crate::lanes::WIDTH;
 use std::sync::LazyLock;
 
-/// The shortest length, s, and how many lengths there are to each doubling.
+/// Shortest length, s, and number of lengths per doubling.
 const SHORTEST: f64 = 0.001_25;
 const A_DOUBLING: usize = 6;
-/// How many lengths there are: up to a day's.
+/// Number of lengths: up to a day.
 pub const LENGTHS: usize = 168;
-/// How often the steps can be made finer; each time they begin with a fourth of the length, and each length is used twice as
-/// often, so that there are about twice as many.
+/// Number of levels. At each finer level the steps begin with a quarter of the length and each length is used twice as often, so that
+/// there are about twice as many steps.
 pub const LEVELS: usize = 3;
 const FINER: usize = 2 * A_DOUBLING;
-/// A last step is at most this much longer than the one that would be next.
+/// Largest ratio of the last step to the regular one in its place.
 const STRETCHED: f64 = 1.2;
 
-/// How the lengths of a hold's steps grow.
+/// The sequence of lengths.
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
-    /// The number of the first length behind the shortest that there can be.
+    /// Index of the first length at the finest level.
     first: usize,
-    /// By how many lengths each step is longer than the one before.
+    /// Increase of the index from step to step.
     by: usize,
 }
 
-/// Of steps that are read from polynomials between their ends which know only how they end: from 0.02 s by 2^(1/3).
+/// For steps that are interpolated from their ends: from 0.02 s, growing by 2^(1/3).
 pub const OF_ENDS: Growth = Growth { first: 0, by: 2 };
-/// Of steps that are read from their own polynomials: from 0.05 s by √2.
+/// For steps that are interpolated by their own polynomials: from 0.05 s, growing by √2.
 pub const OF_NODES: Growth = Growth { first: 8, by: 3 };
 
-/// Length of a step, s, by its number.
+/// Length of an index, s.
 pub fn length(number: usize) -> f64 {
     static ALL: LazyLock<[f64; LENGTHS]> =
         LazyLock::new(|| core::array::from_fn(|number| SHORTEST * (number as f64 / A_DOUBLING as f64).exp2()));
@@ -38,12 +38,12 @@ pub fn length(number: usize) -> f64 {
 }
 
 impl Growth {
-    /// The number of the step that comes after `taken` others at a level.
+    /// Index of the length of the step after `taken` others at a level.
     pub fn number(self, level: usize, taken: usize) -> usize {
         ((LEVELS - 1 - level) * FINER + self.first + self.by * (taken >> level)).min(LENGTHS - 1)
     }
 
-    /// How many steps a hold of a length, s, takes at a level, and how long the last one is beside.
+    /// Number of regular steps of a hold of a given length, s, at a level, and the length of the last step, s.
     fn parted(self, level: usize, hold: f64) -> (usize, f64) {
         let (mut taken, mut left) = (0, hold);
         loop {
@@ -56,7 +56,7 @@ impl Growth {
         }
     }
 
-    /// The same of holds, one a lane: most rows of a study are held equally long.
+    /// The same for holds, one per lane; most rows of a study have the same length.
     pub fn parted_all(self, level: usize, hold: impl Fn(usize) -> f64) -> [(usize, f64); WIDTH] {
         let (mut length, mut parts) = (hold(0), self.parted(level, hold(0)));
         core::array::from_fn(|lane| {

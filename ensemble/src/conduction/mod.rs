@@ -1,16 +1,16 @@
-//! The hold in front of a wall that remembers ([`wall_conduction`](chamber::effects::wall_conduction)): no gas enters or
-//! leaves and the piston rests, so that of the gas the temperature is the only state, and the wall's surface is a sum of modes,
+//! The hold with a conducting wall ([`wall_conduction`](chamber::effects::wall_conduction)): no gas enters or leaves and the piston
+//! rests, so that temperature is the only state of the gas, and the surface temperature of the wall is a sum of modes,
 //!
 //! T' = −a d,  x' = c d − μ x,  d = b T (T − Tw − Σ x),  a = A/(p m cv),  b = p λ/T
 //!
-//! where p is one over the wall's effusivity and d p times the heat flux into it. An explicit integrator has to follow the
-//! fastest mode. Here d is over a step of length h the polynomial through its values at the nodes of Radau's rule ([`rule`]).
-//! From it T follows by integration and each mode by the integral of d weighted with e^(−μ (t − s)), both exactly
-//! ([`response`]); the values at the nodes solve their equations ([`step`]).
+//! where p is one over the wall's effusivity and d is p times the heat flux into it. An explicit integrator would have to resolve the
+//! fastest mode. Here d over a step of length h is the polynomial through its values at the nodes of the Radau rule ([`rule`]). T
+//! follows by integration and each mode by the integral of d weighted with e^(−μ (t − s)), both exactly ([`response`]); the values at
+//! the nodes solve their equations ([`step`]).
 //!
-//! Modes have the same μ in all rows, so that all rows can take steps of the same lengths ([`lengths`]), with a response worked
-//! out once. A row is solved again with finer steps where the error of any of them counts. Where the finest do not do, the
-//! integrator takes over. Temperatures in K, times in s.
+//! Modes have the same μ in all rows, so that all rows can take steps of the same lengths ([`lengths`]), whose responses are computed
+//! once. A row is solved again with finer steps if the error of any step is too large. If the finest do not suffice, the integrator
+//! takes over. Temperatures in K, times in s.
 
 pub mod lengths;
 pub mod response;
@@ -26,30 +26,30 @@ use lengths::Growth;
 use response::Response;
 use step::GasAndWall;
 
-/// The relative tolerance that steps are taken with: a looser one than this would save little.
+/// The relative tolerance of the steps, at most 1e-8: looser ones would save little.
 pub fn relative(options: &Options) -> f64 {
     options.relative_tolerance.min(1e-8)
 }
 
-/// Sees the steps through holds.
+/// An observer of the steps through holds.
 pub trait Keep {
-    /// A step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
+    /// Called for a step of the lanes where `goes` is positive: its end, s, T at its start, and the gas at its end.
     fn keep(&mut self, end: Lanes, goes: Lanes, temperature: Lanes, gas: &GasAndWall);
 }
 
-/// Steps through holds, one a lane.
+/// The steps through holds, one per lane.
 #[derive(Clone, Copy)]
 pub struct HoldSteps<'a> {
     pub growth: Growth,
     pub level: usize,
-    /// How many steps each takes before its last.
+    /// Number of steps before the last.
     pub counts: Lanes,
-    /// The response over its last.
+    /// Response over the last step.
     pub last: &'a Response<Lanes>,
     pub relative: f64,
 }
 
-/// Takes the gas to the ends of the holds; positive where all steps were good.
+/// Takes the gas to the ends of the holds; returns a positive number if all steps were good.
 #[inline(always)]
 pub fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> Lanes {
     let HoldSteps { growth, level, counts, last, relative } = steps;

@@ -1,5 +1,4 @@
-//! How the modes of the wall, x' = c d − μ x, respond to d over a step over which d is a polynomial: their own equation solved
-//! exactly, however large μ h is.
+//! The response of the wall's modes, x' = c d − μ x, over a step on which d is a polynomial: the exact solution, however large μ h is.
 
 use super::lengths::{LENGTHS, length};
 use super::rule::{NODES, PLACES, RULE};
@@ -12,21 +11,21 @@ use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::OnceLock;
 
-/// How the modes respond to d over a step.
+/// The response of the modes to d over a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Response<R> {
-    /// Its length, s.
+    /// Length of the step, s.
     pub length: R,
-    /// What each mode keeps of itself up to each node.
+    /// Fraction of each mode that is left at each node.
     pub kept: [[R; MODES]; NODES],
-    /// What the values of d warm the surface by up to each node, s^½.
+    /// Warming of the surface up to each node by the values of d, s^½.
     pub warming: [[R; NODES]; NODES],
-    /// What they add to each mode up to the end, s^½.
+    /// Contribution of the values of d to each mode at the end, s^½.
     pub fed: [[R; NODES]; MODES],
 }
 
 impl<R: Real> Response<R> {
-    /// Works out that over a length, s.
+    /// Computes the response over a length, s.
     #[inline(always)]
     fn work_out(&mut self, length: R) {
         let rule = &*RULE;
@@ -38,7 +37,7 @@ impl<R: Real> Response<R> {
                 let w = length * (rate * place);
                 let faded = filter::kept(w);
                 self.kept[node][mode] = faded;
-                // Of a power of the place a sensor with a lag of 1/μ shows its share g: μ times the integral.
+                // A sensor with a lag of 1/μ shows the fraction g of a power of the place: μ times the integral.
                 let shares = filter::shares(w, faded);
                 for from in 0..black_box(NODES) {
                     let (mut shown, mut power) = (R::ZERO, weight / rate);
@@ -56,7 +55,7 @@ impl<R: Real> Response<R> {
 }
 
 impl Response<f64> {
-    /// That over the step of a number: see [`length`].
+    /// The response over the step of an index: see [`length`].
     pub fn of(number: usize) -> &'static Self {
         static ALL: [OnceLock<Response<f64>>; LENGTHS] = [const { OnceLock::new() }; LENGTHS];
         ALL[number].get_or_init(|| {
@@ -68,7 +67,7 @@ impl Response<f64> {
 }
 
 impl Response<Lanes> {
-    /// Those over a length, s, in each lane; nothing to be done where they are there already.
+    /// Computes the responses over a length, s, in each lane, unless they are those of the last call.
     pub fn reach(&mut self, length: Lanes, arch: Arch) {
         if self.length != length {
             arch.dispatch(Wide(WorkOutResponses { response: self, length }));

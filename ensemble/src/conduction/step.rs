@@ -1,7 +1,6 @@
-//! A step of the gas and the wall: the values of d at the nodes solve their equations (a collocation method: E. Hairer and
-//! G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.5) by Newton's method, from where the polynomial of the step
-//! before goes on, mostly with the slopes of the first round throughout. The error at the end of a step is as the square of the
-//! last Legendre terms of d.
+//! A step of gas and wall: the values of d at the nodes solve their equations (a collocation method: E. Hairer and G. Wanner, Solving
+//! Ordinary Differential Equations II, 1996, IV.5) by Newton's method, starting from an extrapolation of the previous step, mostly with
+//! the Jacobian of the first round. The error at the end of a step is proportional to the square of the last Legendre terms of d.
 
 use super::response::Response;
 use super::rule::{GUESSED, NODES, PLACES, RULE};
@@ -15,18 +14,18 @@ use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Rounds of Newton's method at most.
+/// Largest number of Newton steps.
 const ROUNDS: usize = 10;
-/// Error of T, as a share of that allowed for, that the equations are solved to.
+/// Error of T to which the equations are solved, relative to the tolerance.
 const CONVERGED: f64 = 3e-2;
-/// The smallest relative tolerance that rounding allows for.
+/// The smallest relative tolerance that rounding permits.
 const FINEST: f64 = 1e-12;
-/// As the equations are quadratic, a round with the slopes of the first leaves at most so many times b (a h)², the first change
-/// and its own.
+/// As the equations are quadratic, a round with the Jacobian of the first one leaves an error of at most this multiple of b (a h)² times
+/// the first change times its own.
 const LEFT: f64 = 3.0;
-/// Where that is a larger share of its own change, slopes are worked out anew.
+/// If that error exceeds this fraction of its own change, the Jacobian is computed anew.
 const SLOW: f64 = 0.05;
-/// Error of T at the end of a step over a h and the square of the last Legendre terms, over d: for T' = −T it is 0.002 to 0.01.
+/// Error of T at the end of a step, relative to a h times the square of the last Legendre terms over d: 0.002 to 0.01 for T' = −T.
 const ERROR: f64 = 0.02;
 
 /// The gas and the wall of each lane.
@@ -39,18 +38,18 @@ pub struct GasAndWall {
     wall: Lanes,
     pub temperature: Lanes,
     pub modes: [Lanes; MODES],
-    /// Length of the last step, s, and d at its nodes: at first d at the start.
+    /// Length of the last step, s, and d at its nodes; initially d at the start.
     pub since: Lanes,
     pub drives: [Lanes; NODES],
 }
 
-/// A step of it.
+/// The result of a step.
 pub struct Step {
     temperature: Lanes,
     modes: [Lanes; MODES],
-    /// d at the nodes, the last of which is the end.
+    /// d at the nodes, of which the last is the end.
     pub drives: [Lanes; NODES],
-    /// Positive where its error is small enough.
+    /// Positive if its error is small enough.
     pub good: Lanes,
 }
 
@@ -64,7 +63,7 @@ impl GasAndWall {
         [ambient_temperature, ambient_pressure]: [Lanes; 2],
         modes: [Lanes; MODES],
     ) -> Self {
-        // So that the code has no others.
+        // Excludes the code of all other effects.
         let beside = set.intersection(kept::EFFECTS);
         let boundary = Boundary::closed(Lanes::ZERO, ambient_temperature, ambient_pressure);
         let capacity = mass * balance.cv;
@@ -78,7 +77,7 @@ impl GasAndWall {
         Self::of([cooling, feed], at.wall_temperature, temperature, modes)
     }
 
-    /// At the start of a hold with those a and b.
+    /// At the start of a hold, given a and b.
     #[inline(always)]
     pub fn of([cooling, feed]: [Lanes; 2], wall: Lanes, temperature: Lanes, modes: [Lanes; MODES]) -> Self {
         let drives = [Lanes::ZERO; NODES];
@@ -97,7 +96,7 @@ impl GasAndWall {
         self.feed * self.temperature * excess
     }
 
-    /// d at the nodes of a step of a length, s, by the polynomial through the last of its values.
+    /// Extrapolates d to the nodes of a step of a length, s.
     #[inline(always)]
     fn guess(&self, length: Lanes) -> [Lanes; NODES] {
         let rule = &*RULE;
@@ -121,14 +120,14 @@ impl GasAndWall {
         guess
     }
 
-    /// What is seen of it, by its pressure over its temperature and d.
+    /// Pressure, temperature and their slopes, given P/T and d.
     #[inline(always)]
     pub fn view(&self, per_temperature: Lanes, drive: Lanes) -> View<Lanes> {
         let slope = -(self.cooling * drive);
         View { value: [self.temperature * per_temperature, self.temperature], slope: [slope * per_temperature, slope] }
     }
 
-    /// Goes on behind a step of a length, s, where `goes` is positive.
+    /// Advances by a step of a length, s, in lanes where `goes` is positive.
     #[inline(always)]
     pub fn take(&mut self, goes: Lanes, length: Lanes, step: &Step) {
         self.since = goes.where_positive(length, self.since);
@@ -141,12 +140,12 @@ impl GasAndWall {
         }
     }
 
-    /// A step with that response.
+    /// Computes a step, given its response.
     #[inline(always)]
     pub fn step<C: Copy + Into<Lanes>>(&self, response: &Response<C>, relative: f64, factors: &mut Factors) -> Step {
         let rule = &*RULE;
         let cooling = self.cooling * response.length.into();
-        // What the surface has at the nodes without d.
+        // Surface temperature at the nodes without d.
         let mut surface = [self.wall; NODES];
         for node in 0..black_box(NODES) {
             for mode in 0..MODES {
@@ -185,7 +184,7 @@ impl GasAndWall {
                 first = largest;
             }
             let share = bend * first.max(largest);
-            // Not where it is no number: then the row is not solved.
+            // A NaN leaves the lane open: the row is not solved.
             open = (least - share * largest).where_positive(Lanes::ZERO, open);
             if !open.any_positive() {
                 break;
@@ -214,7 +213,7 @@ impl GasAndWall {
     }
 }
 
-/// The matrix of Newton's equations, from the derivatives of d at each node by the surface's warming and by the integral of d.
+/// Fills the matrix of Newton's equations, from the derivatives of d at each node by the surface temperature and by the integral of d.
 #[inline(always)]
 fn fill<C: Copy + Into<Lanes>>(
     matrix: &mut [[Lanes; NODES]; NODES],

@@ -1,8 +1,8 @@
-//! Any chamber with any effects in lanes, with the balances of [`balance`] as they are. States are √m, 1/√U
-//! and the own states of the effects in use, and the clock is that of [`crate::integrator::clock`]: with √m and V^(1/4) at hand, λ(P, T)
-//! takes no root, and with 1/√U the integrals of heat, work and enthalpy over a step are others than that of its states. In a
-//! closed chamber 1/U is a constant and a decaying exponential while the piston rests, and over an adiabatic push 1/√U is
-//! V^((γ − 1)/2), nearly even in the clock: steps are longer than with √U.
+//! Chambers with any effects in lanes, by the balances of [`balance`]. States are √m, 1/√U and the states of the effects in use; the
+//! clock is that of [`crate::integrator::clock`]. With √m and V^(1/4), λ(P, T) needs no root, and with 1/√U the integrals of heat, work
+//! and enthalpy over a step are independent of the integral of the states. In a closed chamber 1/U is a constant plus a decaying
+//! exponential while the piston rests, and over an adiabatic push 1/√U is V^((γ − 1)/2), nearly linear in the clock: steps are longer
+//! than with √U.
 
 use crate::chambers::load_chamber;
 use crate::integrator::clock::Clock;
@@ -14,51 +14,51 @@ use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
 use std::marker::PhantomData;
 
-/// Beside a set's bits: which of its effects there are is asked at run time.
+/// Flag beside a set's bits: which of its effects are in use is decided at run time.
 pub const ASKED: u32 = 1 << 31;
-/// Beside a set's bits: no gas enters or leaves, so that the mass is a constant and not a state.
+/// Flag beside a set's bits: no gas enters or leaves, so that the mass is a constant and not a state.
 pub const TIGHT: u32 = 1 << 30;
-/// The bits of all effects, so asked.
+/// All effects, decided at run time.
 pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
 
-/// One row's share of a system.
+/// The data of one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
     /// Its chamber's balance.
     pub balance: &'a Balances,
-    /// The stretch it is in.
+    /// Its current stretch.
     pub stretch: &'a Stretch,
-    /// How many states it has: mass unless it is tight, energy and those of its own effects.
+    /// Number of its states: mass unless it is tight, energy and those of its effects.
     pub counted: f64,
     /// Mass at the start, kg.
     pub mass: f64,
 }
 
-/// Chambers, one a lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
+/// Chambers, one per lane, with the effects of the set `BITS` (see [`EffectSet::bits`]) and `N` states.
 #[derive(Clone)]
 pub struct General<'a, const N: usize, const BITS: u32> {
     row: PhantomData<Row<'a>>,
     set: EffectSet,
     balance: Balances<Lanes>,
     per_gas_constant: Lanes,
-    /// Of tight chambers: the mass, kg, and its root.
+    /// Mass of tight chambers, kg, and its root.
     mass: Lanes,
     root_mass: Lanes,
-    /// How many states move, from the first on, where only the run time knows.
+    /// Number of states that change, the first ones, if decided at run time.
     moving: usize,
-    /// How many states each has: what its error is the mean of.
+    /// Number of states in each row's error norm.
     counted: Lanes,
-    /// Boundary and clock of the stretch; the position goes unread.
+    /// Boundary and clock of the stretch; the position is not used.
     boundary: Boundary<Lanes>,
     clock: Clock<Lanes>,
 }
 
-/// Place of the energy among the states of a set: behind the mass, where that is one.
+/// Index of the energy among the states of a set: after the mass, if that is a state.
 const fn energy_place(bits: u32) -> usize {
     if bits & TIGHT == 0 { ENERGY } else { ENERGY - 1 }
 }
 
-/// Which of all states each of `N` states is: mass unless tight, energy, then those of the effects in the set.
+/// Index, among all states, of each of the `N` states: mass unless tight, energy, then those of the effects in the set.
 const fn places<const N: usize>(bits: u32) -> [usize; N] {
     let mut out = [MASS; N];
     out[energy_place(bits)] = ENERGY;
@@ -78,7 +78,7 @@ const fn places<const N: usize>(bits: u32) -> [usize; N] {
     out
 }
 
-/// Number of states of the set: what `N` must be.
+/// Number of states of a set, which `N` must equal.
 pub const fn states(bits: u32) -> usize {
     let mut count = energy_place(bits) + 1;
     let mut effect = 0;
@@ -92,14 +92,14 @@ pub const fn states(bits: u32) -> usize {
 }
 
 impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
-    /// Which of all states each of this system's is.
+    /// Index, among all states, of each of this system's states.
     pub const PLACES: [usize; N] = places(BITS);
     /// Whether the mass is a constant.
     const TIGHT: bool = BITS & TIGHT != 0;
-    /// Place of the energy among this system's states.
+    /// Index of the energy among this system's states.
     const ENERGY: usize = energy_place(BITS);
 
-    /// For these rows, all of one area law; lanes are not loaded yet.
+    /// A system for rows of one area law, without loaded lanes.
     pub fn new(rows: &[Row<'a>], set: EffectSet) -> Self {
         const { assert!(N == states(BITS)) };
         let balance = Balances::of(rows[0].balance.chamber.lift());
@@ -121,9 +121,9 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         }
     }
 
-    /// Whether it is for rows in front of a wall that remembers, whose holds are solved by [`crate::general::remembering`].
+    /// Whether its rows have a conducting wall, so that [`crate::general::wall_conduction`] solves their holds.
     pub const REMEMBERS: bool = BITS != AT_RUN_TIME && EffectSet::from_bits(BITS).contains(effects::REMEMBERING);
-    /// Places of the energy among its states, and of the first of such a wall's.
+    /// Indices of the energy and of the first mode of such a wall among its states.
     pub fn places_of_wall() -> [usize; 2] {
         let first = effects::REMEMBERING.iter().map(|effect| OWN + effects::STATE_OFFSETS[effect]).next();
         [Self::ENERGY, Self::PLACES.iter().position(|place| Some(*place) == first).unwrap_or(N)]
@@ -135,7 +135,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         if BITS & ASKED == 0 { compiled } else { compiled.intersection(self.set) }
     }
 
-    /// States to integrate, from all of a chamber's.
+    /// The states to integrate, from all states of a chamber.
     pub fn states(all: &[f64; STATES]) -> [f64; N] {
         let mut y = Self::PLACES.map(|place| all[place]);
         if !Self::TIGHT {
@@ -145,17 +145,17 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         y
     }
 
-    /// Mass, kg, and internal energy, J, in a state that has come from one of mass `initial`.
+    /// Mass, kg, and internal energy, J, in a state; `initial` is the initial mass, kg.
     pub fn mass_and_energy(y: &[f64; N], initial: f64) -> [f64; 2] {
         [if Self::TIGHT { initial } else { y[MASS] * y[MASS] }, y[Self::ENERGY].powi(-2)]
     }
 
-    /// Whether a chamber in that state holds gas (not where it is no number).
+    /// Whether a chamber in that state holds gas; false for NaN.
     pub fn holds_gas(y: &[f64; N]) -> bool {
         y[..=Self::ENERGY].iter().all(|state| *state > 0.0 && *state < f64::INFINITY)
     }
 
-    /// Absolute tolerances of the states to integrate.
+    /// Absolute tolerances of the states to integrate, from those of all states.
     pub fn tolerances(all: &[f64; STATES], absolute: &[f64; STATES]) -> [f64; N] {
         let mut tolerances = Self::PLACES.map(|place| absolute[place]);
         if !Self::TIGHT {
@@ -165,7 +165,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         tolerances
     }
 
-    /// The effects' own states.
+    /// The states of the effects.
     #[inline(always)]
     fn own(y: &[Lanes; N]) -> [Lanes; OWN_STATES] {
         let mut own = [Lanes::ZERO; OWN_STATES];
@@ -175,14 +175,14 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         own
     }
 
-    /// The clock's s, and ds/dr, when it shows `r`: only with some effects is it bent.
+    /// The clock's s, and ds/dr, at `r`; only some effects bend the clock.
     #[inline(always)]
     fn unbent(&self, r: Lanes) -> [Lanes; 2] {
         let bent = !self.set().intersection(effects::SINGULAR).is_empty();
         if bent { self.clock.unbent(r) } else { [r, Lanes::ONE] }
     }
 
-    /// What the chambers hold at the clock's `s`.
+    /// Contents of the chambers at the clock's `s`.
     #[inline(always)]
     fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
         let root = self.clock.root(s);
@@ -297,13 +297,13 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::advance::{Nobody, run};
+    use crate::integrator::advance::run;
     use crate::integrator::problem::Problem;
     use crate::outcome::closure;
     use crate::plan::Plan;
     use crate::scenario::Scenario;
 
-    /// Balances whose energy lacks a share of what flows in.
+    /// Balances whose energy lacks a fraction of the enthalpy that flows in.
     #[derive(Clone)]
     struct Short<'a> {
         whole: General<'a, 2, 0>,
@@ -334,7 +334,7 @@ mod tests {
         let chamber = chamber::papers_chamber::section_31(chamber::AreaLaw::Total);
         let mut scenario = Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, 1.04);
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
-        let plan = Plan::new(Vec::new(), EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
+        let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balances::of(chamber);
         let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {
@@ -343,7 +343,7 @@ mod tests {
                 let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
                 let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
-                run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut Nobody);
+                run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut ());
                 assert_eq!(problems[0].failure, None);
                 state = problems[0].state;
                 received += problems[0].energy[0] - problems[0].energy[1];

@@ -1,6 +1,6 @@
-//! The history of an integration: what is seen at the end of each step, of as many rows as there are lanes.
+//! The history of an integration: pressure and temperature at the end of each step, one row per lane.
 //!
-//! It is bounded. When it is full the integration stops, and the caller goes on with fewer rows at a time.
+//! It is bounded. When it is full the integration stops, and the caller repeats it with fewer rows at a time.
 
 use crate::integrator::advance::{Tried, Watch};
 use crate::integrator::problem::Steps;
@@ -11,21 +11,21 @@ use crate::reader::Knot;
 /// Steps of all lanes.
 #[derive(Debug, Default)]
 pub struct History {
-    /// Of each its end, whether it was accepted (2 where up to a kink), two quantities and their slopes.
+    /// For each step its end, whether it was accepted (2 if it ends at a kink), two quantities and their slopes.
     steps: Vec<[Lanes; 6]>,
-    /// Whether steps that are seen are kept.
+    /// Whether steps are kept at present.
     pub awake: bool,
-    /// How many steps it keeps; none is no limit.
+    /// Largest number of steps, if limited.
     pub limit: Option<usize>,
 }
 
 impl History {
-    /// Drops every step; the memory stays allocated.
+    /// Drops all steps; keeps the memory.
     pub fn clear(&mut self) {
         self.steps.clear();
     }
 
-    /// Keeps a step of all lanes: its end, whether it is one (1) or not (0), and what is seen there.
+    /// Keeps a step of all lanes: its end, whether it was taken (1) or not (0), and the view there.
     #[inline(always)]
     pub fn push(&mut self, at: Lanes, taken: Lanes, View { value, slope }: &View<Lanes>) {
         if self.awake {
@@ -33,7 +33,7 @@ impl History {
         }
     }
 
-    /// How many steps are kept.
+    /// Number of steps kept.
     pub fn len(&self) -> usize {
         self.steps.len()
     }

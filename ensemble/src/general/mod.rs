@@ -1,97 +1,42 @@
-//! Rows of any chamber by the integrator: the equations of all of them ([`equations`]), in code for their set of effects where there
-//! is some ([`compiled`]), stretch after stretch ([`course`]).
+//! Rows with any effects by the integrator: the general equations ([`equations`]), compiled for common sets of effects
+//! ([`compiled`]), integrated stretch by stretch ([`integration`]).
 
 pub mod compiled;
-mod course;
 pub mod equations;
 pub mod history;
+mod integration;
+mod kind;
 mod relaxation;
-pub mod relaxing_rows;
-mod remembering;
+pub mod relaxation_rows;
+mod wall_conduction;
 
-use crate::batch::Batch;
-use crate::features::Features;
+use crate::batch::{Batch, Features};
 use crate::outcome::{Failure, Outcome};
 use crate::plan::Plan;
-use chamber::effects::{self, EffectSet};
+use chamber::effects::EffectSet;
+use kind::Kind;
 
-/// What rows that are integrated have in common.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Gas may enter or leave, at constant rates and by effects.
-    Open,
-    /// No gas enters or leaves.
-    Tight,
-    /// Nor has the hold a state but the temperature: see [`relaxation`].
-    Relaxing,
-    /// Nor has the hold states but the temperature and those of a wall that remembers: see [`remembering`].
-    Remembering,
-}
-
-impl Kind {
-    const ALL: [Self; 4] = [Self::Open, Self::Tight, Self::Relaxing, Self::Remembering];
-
-    /// That of a row.
-    fn of(row: &Features) -> Self {
-        let of_gas = row.of_gas;
-        let by_integrals = row.is_wide && !row.integrates;
-        if !row.is_sealed || !effects::KEEP_THE_MASS.contains(of_gas) {
-            Self::Open
-        } else if by_integrals && row.behind.is_none() && relaxation::EFFECTS.contains(of_gas) {
-            Self::Relaxing
-        } else if by_integrals
-            && remembering::EFFECTS.contains(of_gas)
-            && !of_gas.intersection(effects::REMEMBERING).is_empty()
-        {
-            Self::Remembering
-        } else {
-            Self::Tight
-        }
-    }
-
-    /// Whether no gas enters or leaves.
-    fn is_tight(self) -> bool {
-        matches!(self, Self::Tight | Self::Relaxing | Self::Remembering)
-    }
-}
-
-/// A chunk's rows that are integrated so, by kind and area law: what lanes must have in common.
+/// A chunk's rows by kind and area law, which the lanes must have in common.
 #[derive(Default)]
 pub struct GeneralRows {
-    lists: [Planned; 2 * Kind::ALL.len()],
-    memory: course::Memory,
+    /// Indices of the rows, and their plans.
+    lists: [Vec<(u32, Plan)>; 2 * Kind::ALL.len()],
+    memory: integration::Memory,
 }
 
 impl GeneralRows {
-    /// Plans one more, unless it cannot be solved.
+    /// Checks and plans a row and adds it to its list.
     pub fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
-        self.lists[usize::from(features.is_swept) + 2 * Kind::of(features) as usize].add(row, set, features)
-    }
-
-    /// Solves all, after which there are none.
-    pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
-        for (number, list) in self.lists.iter_mut().enumerate().filter(|(_, list)| list.count > 0) {
-            let rows = &list.rows[..std::mem::take(&mut list.count)];
-            compiled::course(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);
-        }
-    }
-}
-
-/// Rows and their plans, whose memory is kept: as many as are of the present chunk, and those of others.
-#[derive(Default)]
-struct Planned {
-    rows: Vec<(u32, Plan)>,
-    count: usize,
-}
-
-impl Planned {
-    fn add(&mut self, row: u32, set: EffectSet, features: &Features) -> Result<(), Failure> {
-        if self.count == self.rows.len() {
-            self.rows.push((row, Plan::default()));
-        }
-        let place = &mut self.rows[self.count];
-        *place = (row, Plan::new(std::mem::take(&mut place.1.stretches), set, features.active, features.scenario)?);
-        self.count += 1;
+        let plan = Plan::new(set, features.active, features.scenario)?;
+        self.lists[usize::from(features.is_swept) + 2 * Kind::of(features) as usize].push((row, plan));
         Ok(())
+    }
+
+    /// Solves all rows and empties the lists.
+    pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
+        for (number, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+            compiled::integrate(batch, &mut self.memory, set, Kind::ALL[number / 2], rows, out);
+            rows.clear();
+        }
     }
 }

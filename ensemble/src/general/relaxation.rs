@@ -1,11 +1,11 @@
-//! A hold of which the temperature is the only state: no gas enters or leaves, and no effect has a state of its own. How fast
-//! the temperature changes then follows from itself, and time is an integral over it. With
+//! A hold with temperature as the only state: no gas enters or leaves, and no effect has a state. The rate of the temperature is then a
+//! function of the temperature, and time is an integral over it. With
 //!
 //! e = (T − Tw)/(σ T + (1 − σ) Tw),  u = ln(e0/e),  dt/du = (T − Tw)/(−dT/dt) (σ T + (1 − σ) Tw)/Tw
 //!
-//! u counts relaxations: by each, e falls by a factor e. For a gas that cools σ is 0, for one that warms 1; so the place where
-//! T vanishes stays at a distance of π in the plane of complex u, and dt/du is a polynomial over several relaxations. It is
-//! integrated over panels by Gauss–Legendre quadrature, and a panel is cut where the last of Legendre's terms count.
+//! u counts relaxations: over each, e falls by a factor of Euler's number. σ is 0 for a gas that cools and 1 for one that warms; so the
+//! singularity at T = 0 stays at a distance of π in the complex u plane, and dt/du is nearly a polynomial over several relaxations. It
+//! is integrated over panels by Gauss–Legendre quadrature; a panel is shortened if the last Legendre terms are too large.
 //! Temperatures in K, times in s since the push.
 
 use crate::lanes::Lanes;
@@ -21,31 +21,31 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// The effects on the gas of which each lets no gas pass and has no state, but for the curve of any kind.
+/// The effects on the gas that let no gas pass and have no state, except for the empirical curve.
 pub const EFFECTS: EffectSet = sets::on_the_gas_with(0).intersection(effects::KEEP_THE_MASS);
 
-/// The effects' states.
+/// The states of these effects: none.
 const NO_STATES: [Lanes; 0] = [];
-/// Length of the first panel, by what factor each is longer than the one before, and the longest.
+/// Length of the first panel, growth factor from panel to panel, and longest panel, in relaxations.
 const FIRST: f64 = 3.0;
 const GROW: f64 = 3.0;
 const LONGEST: f64 = 16.0;
-/// By how much smaller than a Legendre polynomial of the last order its integral is.
+/// Ratio of the integral of the last Legendre polynomial to the polynomial itself.
 const INTEGRATED: f64 = 1.0 / (2 * NODES - 1) as f64;
-/// u that is as good as none.
+/// A remaining u below this is neglected.
 const SHORTEST: f64 = 1e-9;
-/// |e| at which the gas has come to the wall's temperature.
+/// |e| at which the gas counts as having the wall's temperature.
 const AT_REST: f64 = 1e-11;
-/// The smallest relative tolerance that rounding allows for.
+/// The smallest relative tolerance that rounding permits.
 const FINEST: f64 = 1e-13;
-/// Attempted panels after which a test is given up; most take two or three.
+/// Largest number of attempted panels; most tests take two or three.
 const MOST: usize = 100;
-/// The slowest relaxation, as a share of one over the hold: slower ones, down to none, are as good as this.
+/// Lower bound of the rate of relaxation, relative to one over the hold; slower ones, even zero, are set to it.
 const SLOWEST: f64 = 1e-16;
 
-/// Tests at the end of their pushes, one a lane; SI units.
+/// Tests at the end of their pushes, one per lane; SI units.
 pub struct Pushed<'a> {
-    /// With the parameters of the effects.
+    /// Balances, with the parameters of the effects.
     pub balance: &'a Balances<Lanes>,
     /// Mass, kg.
     pub mass: Lanes,
@@ -63,36 +63,36 @@ pub struct Pushed<'a> {
     pub hold: Lanes,
 }
 
-/// How the holds go on, one a lane.
+/// The ends of the holds, one per lane.
 pub struct Ends<'a> {
-    /// Temperature at the end, K; not a number where the hold could not be followed.
+    /// Temperature at the end, K; NaN if the hold could not be solved.
     pub end: Lanes,
-    /// From when on the temperature is within 1 % of its way from its end, s.
+    /// Time after which the temperature is within 1 % of its total change from its end, s.
     pub settling: Lanes,
-    /// How many relaxations the hold takes.
+    /// Relaxations in the hold.
     relaxations: Lanes,
     pub gas: GasOverRelaxations<'a>,
 }
 
-/// A part of the hold.
+/// A panel of the hold.
 #[derive(Clone, Copy, Debug)]
 pub struct HoldPart {
-    /// u at its start; its length, zero in lanes that go without it; and one over that.
+    /// u at its start; its length, zero in lanes that do not use it; and the reciprocal of that.
     from: Lanes,
     length: Lanes,
     per_length: Lanes,
-    /// Time at its start, and since then.
+    /// Time at its start, and the time since then along it.
     begin: Lanes,
     time: Panel<Lanes>,
 }
 
-/// The gas over u.
+/// The gas as a function of u.
 pub struct GasOverRelaxations<'a> {
     set: EffectSet,
     balance: &'a Balances<Lanes>,
     boundary: Boundary<Lanes>,
     contents: Contents<Lanes>,
-    /// Temperature of the wall, and of the gas at the start.
+    /// Temperature of the wall, and initial temperature of the gas.
     pub wall: Lanes,
     pub pushed: Lanes,
     /// σ.
@@ -123,14 +123,14 @@ impl<'a> GasOverRelaxations<'a> {
         (temperature - self.wall) / self.warms.where_positive(temperature, self.wall)
     }
 
-    /// The temperature after so many relaxations.
+    /// Temperature after a number of relaxations.
     #[inline(always)]
     fn temperature(&self, relaxations: Lanes) -> Lanes {
         let excess = self.excess * (-relaxations).exp();
         self.wall * (Lanes::ONE + (Lanes::ONE - self.warms) * excess) / (Lanes::ONE - self.warms * excess)
     }
 
-    /// Relaxations until that temperature.
+    /// Number of relaxations until a temperature.
     #[inline(always)]
     fn relaxations(&self, temperature: Lanes) -> Lanes {
         (self.excess / self.excess_of(temperature)).ln()
@@ -151,16 +151,12 @@ impl<'a> GasOverRelaxations<'a> {
     }
 }
 
-/// The time over u.
-struct Time<'a> {
-    parts: &'a [HoldPart],
-}
-
-impl Curve for Time<'_> {
+/// Time as a function of u.
+impl Curve for &[HoldPart] {
     #[inline(always)]
     fn at(&self, relaxations: Lanes) -> Lanes {
         let mut time = Lanes::ZERO;
-        for part in self.parts {
+        for part in *self {
             let since = relaxations - part.from;
             let here = part.begin + part.time.at(since * part.per_length);
             time = since.min(part.length).where_positive(here, time);
@@ -169,7 +165,7 @@ impl Curve for Time<'_> {
     }
 }
 
-/// The time that is left until one.
+/// The time left until `until`.
 struct Left<'a, C> {
     curve: &'a C,
     until: Lanes,
@@ -182,7 +178,7 @@ impl<C: Curve> Curve for Left<'_, C> {
     }
 }
 
-/// A time over the share of a part.
+/// Time as a function of the place in a panel, from 0 to 1.
 impl Curve for HoldPart {
     #[inline(always)]
     fn at(&self, share: Lanes) -> Lanes {
@@ -190,15 +186,15 @@ impl Curve for HoldPart {
     }
 }
 
-/// Follows holds to their ends; `parts` keeps the time.
+/// Solves holds; `parts` receives the time.
 pub struct Solve<'b, 'a> {
-    /// Effects that are active in any of them.
+    /// Effects that are active in any of the tests.
     pub set: EffectSet,
-    /// Where they begin.
+    /// The tests at the end of their pushes.
     pub pushed: &'b Pushed<'a>,
     /// Relative tolerance of the temperatures.
     pub relative: f64,
-    /// The parts of the last hold are dropped.
+    /// The panels; cleared first.
     pub parts: &'b mut Vec<HoldPart>,
 }
 
@@ -231,7 +227,7 @@ impl<'a> WithSimd for Solve<'_, 'a> {
             let mut times = [Lanes::ZERO; NODES];
             rule.up_to_nodes(&slowness, &mut times);
             let [one, other] = [NODES - 2, NODES - 1].map(|order| rule.legendre(&slowness, order).abs());
-            // An error of the time is one of the temperature by as much as the latter still moves.
+            // An error of the time causes an error of the temperature in proportion to its remaining change.
             let moves = gas.excess.abs() * (-from).exp();
             let good = (total * relative - (one + other) * moves * INTEGRATED).min(open);
             let good = good.where_positive(Lanes::ONE, Lanes::ZERO);
@@ -258,18 +254,18 @@ impl<'a> WithSimd for Solve<'_, 'a> {
         let relaxations = open.where_positive(Lanes::from(f64::NAN), end);
         let end = gas.temperature(relaxations);
         let edge = gas.relaxations(end + (gas.pushed - end) * SETTLED);
-        black_box(Ends { end, settling: Time { parts }.at(edge), relaxations, gas })
+        black_box(Ends { end, settling: (&**parts).at(edge), relaxations, gas })
     }
 }
 
-/// Lays out the records of holds that were followed to their ends; the answer is a guess of τ.
+/// Lays out the records of solved holds; returns a guess of τ.
 pub struct Record<'a> {
-    /// Where they begin.
+    /// The tests at the end of their pushes.
     pub pushed: &'a Pushed<'a>,
-    /// How they go on.
+    /// The solved holds.
     pub ends: &'a Ends<'a>,
     pub parts: &'a [HoldPart],
-    /// Where their records go.
+    /// Receives the records.
     pub records: &'a mut Records,
 }
 
@@ -282,17 +278,17 @@ impl WithSimd for Record<'_> {
         let Ends { gas, relaxations, .. } = black_box(ends);
         let per_temperature = pushed.mass * gas.balance.chamber.gas.gas_constant / pushed.volume;
         let Pushed { push, hold, .. } = *pushed;
-        let held = Held { gas, time: Time { parts }, hold, relaxations: *relaxations, per_temperature };
-        relaxing::lay_out(&held, push, push + hold, records);
+        let held = Held { gas, time: parts, hold, relaxations: *relaxations, per_temperature };
+        relaxing::lay_out(&held, relaxing::SLOWING_ENDS, push, push + hold, records);
         let rate = gas.slowness(Lanes::ZERO).recip();
         Guess::Relaxation { rate, excess: Lanes::ONE - gas.wall / gas.pushed, from: push }
     }
 }
 
-/// Holds that were followed to their ends.
+/// Solved holds.
 struct Held<'a> {
     gas: &'a GasOverRelaxations<'a>,
-    time: Time<'a>,
+    time: &'a [HoldPart],
     hold: Lanes,
     relaxations: Lanes,
     /// P/T, Pa/K.
@@ -300,12 +296,11 @@ struct Held<'a> {
 }
 
 impl Relaxing for Held<'_> {
-    const ENDS: &'static [f64] = relaxing::SLOWING_ENDS;
     const IS_LONG: bool = true;
-    /// Relaxations, the time that they take, and where the part ends: with the hold, in lanes that have no more of them.
+    /// Relaxations, their time, and the end of the part: the end of the hold in lanes with fewer relaxations.
     type Knot = [Lanes; 3];
-    type Course<'a>
-        = Course<'a>
+    type Trajectory<'a>
+        = Trajectory<'a>
     where
         Self: 'a;
 
@@ -322,20 +317,20 @@ impl Relaxing for Held<'_> {
     }
 
     #[inline(always)]
-    fn course(&self, ends: [&[Lanes; 3]; 2]) -> Course<'_> {
+    fn trajectory(&self, ends: [&[Lanes; 3]; 2]) -> Trajectory<'_> {
         let [[low, from, _], [high, to, _]] = [*ends[0], *ends[1]];
-        Course { held: self, relaxations: [low, high], times: [from, to] }
+        Trajectory { held: self, relaxations: [low, high], times: [from, to] }
     }
 }
 
-/// Their pressure from one knot to another.
-struct Course<'a> {
+/// Pressure between two knots.
+struct Trajectory<'a> {
     held: &'a Held<'a>,
     relaxations: [Lanes; 2],
     times: [Lanes; 2],
 }
 
-impl Curve for Course<'_> {
+impl Curve for Trajectory<'_> {
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         let Self { held, relaxations: [low, high], times: [from, to] } = self;

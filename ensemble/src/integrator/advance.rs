@@ -1,5 +1,5 @@
-//! Many initial value problems, each over one smooth stretch of time: one a lane, each with its own steps, and a lane
-//! that is done takes the next problem. Steps are those of a Runge–Kutta pair ([`crate::integrator::step`]) or of the solution's own series
+//! Solves many initial value problems, each over one smooth stretch of time: one per lane, each with its own steps; a lane that is done
+//! takes the next problem. Steps are those of a Runge–Kutta pair ([`crate::integrator::step`]) or of the Taylor series of the solution
 //! ([`crate::integrator::expansion`]).
 
 use crate::integrator::corner;
@@ -15,27 +15,27 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Attempts after which a problem is given up; a push-and-hold test takes some twenty. A history of as many is 23 MB long.
+/// Largest number of attempted steps; a push-and-hold test takes about twenty. A history of this length takes 23 MB.
 const MAX_ATTEMPTS: f64 = 3e4;
 const SAFETY: f64 = 0.9;
-/// No more: an error estimate that happens to vanish would let the next step grow out of all bounds.
+/// Largest growth of a step: an error estimate that happens to vanish must not make the next step arbitrarily long.
 const GROW: f64 = 2.5;
 const SHRINK: f64 = 0.3;
-/// Share of a step that was not a number, to be tried next.
+/// Factor of the next step after one that gave NaN.
 const NOT_A_NUMBER: f64 = 0.1;
-/// Longest step, as a share of the stretch, of a solution that is looked into: its interpolant needs knots beside.
+/// Longest step, relative to the stretch, of a solution that is interpolated: the interpolant needs neighbouring knots.
 pub const LONGEST: f64 = 0.26;
-/// Longest step, as a share of the stretch, where the piston moves: over a whole push both error estimates can vanish at
-/// once, and a step that errs by twenty times its tolerance passes. Longer steps are rejected so often that they gain nothing.
+/// Longest step, relative to the stretch, while the piston moves: over a whole push both error estimates can vanish at once, and a step
+/// with twenty times the tolerated error would pass. Longer steps are rejected so often that they gain nothing.
 pub const LONGEST_OF_MOVE: f64 = 0.34;
-/// First step of a test, as a share of the stretch, where there is no telling its length by the rates: by a clock that is bent, and
-/// before a wall that remembers, whose modes all start from rest.
+/// First step of a test, relative to the stretch, if the rates do not determine it: with a bent clock, and with a conducting wall, whose
+/// modes all start from rest.
 pub const FIRST_OF_BENT: f64 = 0.15;
-/// How many times the length of the last step a kink is foreseen at most.
+/// Farthest prediction of a kink, in lengths of the last step.
 const FORESIGHT: f64 = 1.0;
-/// A step of this share of what is left goes to the end.
+/// A step of at least this fraction of the rest goes to the end.
 const NEARLY: f64 = 1.0 - 1e-12;
-/// A step shorter than this share of the stretch is no progress.
+/// Shortest step, relative to the stretch.
 const SMALLEST_SHARE: f64 = 1e-14;
 
 /// An attempted step of all lanes.
@@ -49,13 +49,13 @@ pub struct Tried<const N: usize> {
     pub begin: [Lanes; N],
     /// States at its end.
     pub end: [Lanes; N],
-    /// What is seen at its end.
+    /// View at its end.
     pub view: View<Lanes>,
-    /// Per lane: 1 where the step was accepted, 2 where it was and a kink had cut it short, else 0.
+    /// By lane: 1 if the step was accepted, 2 if it was accepted and ends at a kink, else 0.
     pub accepted: Lanes,
 }
 
-/// Lane-wise choice where `condition` > 0.
+/// Selects `yes` in lanes where `condition` > 0, else `no`.
 #[inline(always)]
 fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -> [Lanes; N] {
     let mut out = *no;
@@ -65,23 +65,21 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
     out
 }
 
-/// Sees every attempted step.
+/// An observer of the attempted steps.
 pub trait Watch<const N: usize> {
     /// Called for each attempted step, accepted or not.
     fn see(&mut self, tried: &Tried<N>);
-    /// How many steps it has kept: the places that [`Steps`] tells.
+    /// Number of steps kept so far, to which [`Steps`] refers.
     fn kept(&self) -> usize;
-    /// Whether it can keep no more: then all problems are left where they are.
+    /// Whether it can keep no more: then the integration stops.
     #[inline(always)]
     fn is_full(&self) -> bool {
         false
     }
 }
 
-/// For solutions of which only the end counts.
-pub struct Nobody;
-
-impl<const N: usize> Watch<N> for Nobody {
+/// Keeps nothing: for solutions of which only the end matters.
+impl<const N: usize> Watch<N> for () {
     #[inline(always)]
     fn see(&mut self, _: &Tried<N>) {}
     #[inline(always)]
@@ -92,10 +90,10 @@ impl<const N: usize> Watch<N> for Nobody {
 
 /// Owner of a lane without a problem.
 const IDLE: usize = usize::MAX;
-/// A lane set with every lane in it; bit i stands for lane i.
+/// The set of all lanes; bit i represents lane i.
 const ALL: u32 = (1 << WIDTH) - 1;
 
-/// Takes the first lane out of a set.
+/// Removes the first lane from a set.
 #[inline(always)]
 fn first(lanes: &mut u32) -> Option<usize> {
     if *lanes == 0 {
@@ -106,24 +104,24 @@ fn first(lanes: &mut u32) -> Option<usize> {
     Some(lane)
 }
 
-/// Problems under way, one a lane.
+/// Problems under integration, one per lane.
 struct Group<const N: usize, S> {
     system: S,
     owner: [usize; WIDTH],
     attempts: Lanes,
-    /// Positive where a lane has further to go, and may.
+    /// Positive while a lane has to go on, and may.
     going: Lanes,
-    /// Lanes whose problem has come to its end, and lanes for which there was none left, a bit each.
+    /// Lanes whose problem has ended, and lanes without one, one bit each.
     ended: u32,
     idle: u32,
     t: Lanes,
     h: Lanes,
-    /// Where a kink cuts a step short: the length to go on with behind it.
+    /// Step length to continue with after a kink that shortens a step.
     beyond: Lanes,
-    /// Pressure and its slope at the start of the last good step of the stretch, and its length; zero where there was none.
+    /// Pressure and its slope at the start of the last accepted step of the stretch, and its length; zero if there was none.
     before: [Lanes; 2],
     since: Lanes,
-    /// How fast the chamber widens at `t`, where that tells kinks.
+    /// Rate of widening of the chamber at `t`, if there are kinks.
     widening: Lanes,
     length: Lanes,
     longest: Lanes,
@@ -135,8 +133,8 @@ struct Group<const N: usize, S> {
     energy: [Lanes; 2],
 }
 
-/// Solves each problem that has not failed, that of the row of the same index, on the machine's widest instructions, under the eyes
-/// of `watch`. The lanes of `system` need not be loaded yet.
+/// Solves each problem that has not failed, with the row of the same index, and reports the steps to `watch`. The lanes of `system` need
+/// not be loaded.
 pub fn advance<const N: usize, S: LaneSystem<N>>(
     arch: Arch,
     system: &S,
@@ -173,7 +171,7 @@ impl<const N: usize, S: LaneSystem<N>, W: Watch<N>> WithSimd for Advance<'_, N, 
     }
 }
 
-/// As [`advance`], in the instructions of the function around.
+/// As [`advance`], inlined into the code of an instruction set.
 #[inline(always)]
 pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     system: &S,
@@ -211,7 +209,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
             begin_from(&mut problems[base..], &moment, first);
         }
     }
-    // Lanes without a problem of their own rest where this one begins.
+    // Lanes without a problem get the start of this one.
     for lane in 0..WIDTH {
         group.system.load(lane, &rows[any]);
         for i in 0..N {
@@ -242,7 +240,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     }
 }
 
-/// Notes what lanes have found out about the starts of the first of these problems.
+/// Stores the initial rates and first steps of the first of these problems.
 #[inline(always)]
 fn begin_from<const N: usize>(problems: &mut [Problem<N>], moment: &Moment<N>, first: Lanes) {
     for (lane, problem) in problems.iter_mut().take(WIDTH).enumerate() {
@@ -250,7 +248,7 @@ fn begin_from<const N: usize>(problems: &mut [Problem<N>], moment: &Moment<N>, f
     }
 }
 
-/// The same with the rates in the code once: first for the start of all problems, then for their steps.
+/// The same with a single copy of the rates' code: first for the starts of all problems, then for their steps.
 #[inline(always)]
 fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     mut group: Group<N, S>,
@@ -291,7 +289,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>
             let first = first_step(length, y, absolute, [&all.slopes[0], &all.slopes[1]], reached, relative);
             begin_from(&mut problems[begun..], &moment, first);
             begun += WIDTH;
-            // Until it is given a problem a lane is at its end.
+            // A lane without a problem is at its end.
             group.length = Lanes::ZERO;
         } else {
             let tolerance = (relative, absolute);
@@ -302,15 +300,13 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>
 }
 
 impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
-    /// Keeps the compiler from carrying lanes from one phase into the next as single numbers, which it would then
-    /// compute with one by one.
+    /// Prevents the compiler from carrying lanes into the next phase as scalars and computing with them one by one.
     #[inline(always)]
     fn through_memory(&mut self) -> &mut Self {
         black_box(self)
     }
 
-    /// Stores the solutions of lanes that have come to rest, failed where they are short of their end, and gives them the next
-    /// problems.
+    /// Stores the solutions of lanes that have ended, with a failure if before the end of the stretch, and loads the next problems.
     #[inline(always)]
     fn refill(&mut self, rows: &[S::Row], problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
         while let Some(lane) = first(&mut self.ended) {
@@ -354,7 +350,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         }
     }
 
-    /// Puts into a lane what the pair's steps need of the start of its problem beside the states.
+    /// Loads what the steps of the pair need at the start of a problem beside the states.
     #[inline(always)]
     fn begin(&mut self, lane: usize, problem: &Problem<N>) {
         for i in 0..N {
@@ -370,7 +366,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         (self.beyond[lane], self.since[lane]) = (0.0, 0.0);
     }
 
-    /// Loads problems from `base` on into the lanes, to begin them.
+    /// Loads the problems from `base` on into the lanes, to evaluate their starts.
     #[inline(always)]
     fn load_to_begin(&mut self, rows: &[S::Row], problems: &[Problem<N>], base: usize) {
         for lane in 0..WIDTH {
@@ -385,38 +381,38 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         }
     }
 
-    /// How long a step to try.
+    /// Length of the next step.
     #[inline(always)]
     fn planned(&mut self) -> Lanes {
         let left = self.length - self.t;
         let last = self.h - left * NEARLY;
-        // Two even steps rather than a whole one and a sliver.
+        // Two equal steps rather than a full one and a tiny one.
         let planned = last.where_positive(left, self.h.min(left * 0.5));
         if self.system.has_kinks() { self.up_to_kink(planned) } else { planned }
     }
 
-    /// Share of a step at which it meets its first kink, 1 where it meets none, by pressure and slope at both its ends.
+    /// Fraction of a step at which it meets its first kink, 1 if none, given pressure and slope at both ends.
     #[inline(always)]
     fn kink(&self, length: Lanes, ends: [[Lanes; 2]; 2]) -> Lanes {
         let [begin, end] = corner::inside(ends[0][0], ends[1][0]);
         corner::met([self.system.kink(begin, end), end], length, ends, self.widening)
     }
 
-    /// Ends steps at kinks that are seen to come.
+    /// Ends steps at predicted kinks.
     #[inline(always)]
     fn up_to_kink(&mut self, planned: Lanes) -> Lanes {
         let at = self.moment.view.pressure();
         self.widening = self.system.widening(self.t);
         let ahead = corner::ahead(planned, at, self.widening, self.before, self.since);
         let cut = planned * self.kink(planned, [at, ahead]);
-        // Of a hold not from afar.
+        // In a hold not predicted from far away.
         let near = self.since.min(self.since * FORESIGHT - cut);
         let comes = (planned - cut).min(self.widening.abs().where_positive(Lanes::ONE, near));
         self.beyond = comes.where_positive(self.h, self.beyond);
         comes.where_positive(cut, planned)
     }
 
-    /// Takes a step that was tried in every lane where it is good.
+    /// Accepts or rejects an attempted step in each lane.
     #[inline(always)]
     fn take<W: Watch<N>>(&mut self, tried: Lanes, step: Attempt<N>, watch: &mut W) {
         let (t, h, length, y) = (self.t, self.h, self.length, self.y);
@@ -424,7 +420,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         let kinked = self.system.has_kinks();
         let at = self.moment.view.pressure();
         let kink = if kinked { self.kink(tried, [at, step.moment.view.pressure()]) } else { Lanes::ONE };
-        // Positive where the step is good: not for NaN.
+        // Positive if the step is good; not for NaN.
         let good = each_lane!(i => if step.error_squared.0[i] <= 1.0 && kink.0[i] >= 1.0 { 1.0 } else { 0.0 });
         let accepted =
             if kinked { good.where_positive(self.beyond.where_positive(Lanes::from(2.0), good), good) } else { good };
@@ -437,7 +433,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         let smooth = each_lane!(i => if step.error_squared.0[i] <= 1.0 { 1.0 } else { by_error.0[i] });
         let shrunk = tried * smooth.min(kink);
         let grown = tried * factor;
-        // A step cut short by the end, or by a kink, says nothing against the longer one that was planned.
+        // A step shortened by the end or by a kink does not shorten the next one.
         let behind = if kinked { grown.max(self.beyond) } else { grown };
         let kept = last.where_positive(h.max(grown), behind);
         let h = good.where_positive(kept, shrunk);
@@ -462,7 +458,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         self.rest_or_go();
     }
 
-    /// Takes a step by the system's series, in every lane in which that has numbers.
+    /// Takes a step by the system's series, in every lane where it is not NaN.
     #[inline(always)]
     fn stride<W: Watch<N>>(&mut self, relative: f64, watch: &mut W) {
         let expansion = self.system.expansion(&self.y);
@@ -481,7 +477,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         self.rest_or_go();
     }
 
-    /// Counts an attempt, and finds out which lanes have further to go, and may.
+    /// Counts an attempt and updates `going`.
     #[inline(always)]
     fn rest_or_go(&mut self) {
         self.attempts = self.attempts + 1.0;
@@ -489,12 +485,12 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         self.going = (self.length - self.t).min(enough).min(-self.attempts + MAX_ATTEMPTS);
     }
 
-    /// Marks lanes that have come to rest.
+    /// Marks lanes that have ended.
     #[inline(always)]
     fn halt(&mut self) {
         let mut resting = 0;
         for lane in 0..WIDTH {
-            // Not a number counts as at rest.
+            // NaN counts as ended.
             let going = self.going[lane] > 0.0;
             resting |= u32::from(!going) << lane;
         }

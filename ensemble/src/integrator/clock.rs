@@ -1,10 +1,11 @@
-//! The clock of a stretch over which the piston moves evenly. A solution follows powers of the volume V, so that steps even
-//! in time grow short where V does; w = V^(1/4) runs evenly in the clock s instead, from 0 to the stretch's length:
+//! The clock of a stretch: the independent variable of the integration. While the piston moves at constant velocity the solution
+//! follows powers of the volume V and would need short steps in time where V is small. In the clock s, from 0 to the stretch's length,
+//! w = V^(1/4) is linear instead:
 //!
 //! w = w0 + w' s,  dt/ds = p w³,  p = 4/((w0 + w1)(w0² + w1²)),  t = s p (w + w0)(w² + w0²)/4
 //!
-//! Where the piston rests, s = t. A law with |T − Tw|^n has no power series at the start of a push from T = Tw: T goes on as
-//! t^(n+2) there. Then the clock shows, in the place of s, an r in which that is nearly r^(2n+4),
+//! If the piston rests, s = t. A law with |T − Tw|^n has no power series at the start of a push from T = Tw, where T contains t^(n+2).
+//! Then the independent variable is r instead of s, in which that is nearly r^(2n+4),
 //!
 //! s = r (1 − b + b r/L),  ds/dr = 1 − b + 2 b r/L,  b close to 1, L the stretch's length
 //!
@@ -39,10 +40,10 @@ impl<R: Real> Default for Clock<R> {
 }
 
 impl Clock<f64> {
-    /// From one volume, m³, to another over `length`, s.
+    /// The clock of a stretch from one volume, m³, to another over `length`, s.
     pub fn new(from: f64, to: f64, length: f64) -> Self {
         if from == to {
-            // Every hold: half the roots.
+            // A hold: half the roots.
             let root = from.sqrt().sqrt();
             return Self { start: root, pace_factor: 1.0 / (root * root * root), ..Self::default() };
         }
@@ -52,21 +53,21 @@ impl Clock<f64> {
         Self { start, root_rate: (end - start) / length, pace_factor, ..Self::default() }
     }
 
-    /// The same over `length`, s, bent.
+    /// The bent clock over `length`, s.
     pub fn bent(self, length: f64) -> Self {
         Self { straight: 1.0 - BENT, bend: BENT / length, ..self }
     }
 }
 
 impl<R: Real> Clock<R> {
-    /// s, and ds/dr, when the clock shows `r`.
+    /// s, and ds/dr, at `r`.
     #[inline(always)]
     pub fn unbent(&self, r: R) -> [R; 2] {
         let bend = self.bend * r;
         [r * (self.straight + bend), self.straight + bend * 2.0]
     }
 
-    /// What the clock shows at `s`.
+    /// r at `s`.
     #[inline(always)]
     pub fn bent_to(&self, s: R) -> R {
         s * 2.0 / (self.straight + (self.straight * self.straight + self.bend * s * 4.0).sqrt())
@@ -94,7 +95,7 @@ impl<R: Real> Clock<R> {
 }
 
 impl Clock<f64> {
-    /// The time, s, when the clock shows `r`, and dt/dr there; where the piston rests without arithmetic.
+    /// The time at `r`, s, and dt/dr there; without arithmetic for a hold.
     #[inline(always)]
     pub fn time_and_pace(&self, r: f64) -> (f64, f64) {
         if self.root_rate == 0.0 && self.bend == 0.0 {
@@ -106,7 +107,7 @@ impl Clock<f64> {
 }
 
 impl Clock<Lanes> {
-    /// w'/w at a moment. Zero where the clock is bent: there w goes as no simple power.
+    /// w'/w at a place of the clock. Zero for a bent clock, in which w is not linear.
     #[inline(always)]
     pub fn widening(&self, at: Lanes) -> Lanes {
         if !self.root_rate.abs().any_positive() {
@@ -115,10 +116,10 @@ impl Clock<Lanes> {
         self.bend.where_positive(Lanes::ZERO, self.root_rate / self.root(at))
     }
 
-    /// What the clocks show at a time, s.
+    /// The places of the clocks at a time, s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> Lanes {
-        // Of most records only the hold is looked into.
+        // For most records only the hold is read.
         if !(self.root_rate.abs() + self.bend).any_positive() {
             return time;
         }
@@ -129,7 +130,7 @@ impl Clock<Lanes> {
         self.bent_to(s)
     }
 
-    /// Puts a clock into a lane.
+    /// Loads a clock into a lane.
     #[inline(always)]
     pub fn load(&mut self, lane: usize, from: &Clock) {
         put!(self, lane, from; start, root_rate, pace_factor, straight, bend);

@@ -1,34 +1,35 @@
-//! Where a step meets a corner of the rates: a pressure, Pa, at which a flow or a curve bends ([`Effect::pressure_kink`](chamber::effects::Effect::pressure_kink)). An error
-//! estimate is blind to what happens between two stages, so steps end at corners, as near as a share of the pressure.
+//! Location of corners of the rates: pressures, Pa, at which a flow or a curve has a kink
+//! ([`Effect::pressure_kink`](chamber::effects::Effect::pressure_kink)). Error estimates do not see what happens between two stages, so steps end at
+//! corners, to within a fraction of the pressure.
 //!
-//! Where a step will meet one is told by P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push
-//! P V^γ, for air P w^5.6, is nearly a constant, and so P w⁶ goes evenly; while the piston rests it goes as P.
+//! A corner is predicted from P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push P V^γ,
+//! for air P w^5.6, is nearly constant, so that P w⁶ is nearly linear; while the piston rests it is proportional to P.
 
 use crate::integrator::step::extrapolated;
 use crate::lanes::Lanes;
 use chamber::real::{Real, reciprocals};
 
-/// A corner within this share of the pressure at either end of a step is met by that end.
+/// A corner within this distance of an end of a step, relative to the pressure, coincides with that end.
 const BESIDE: f64 = 2e-4;
-/// Rounds of Newton's method, for a cubic from its secant.
+/// Newton steps for a root of a cubic, starting from its secant.
 const ROUNDS: usize = 3;
 /// Added to divisors that may be zero.
 const TINY: f64 = 1e-300;
-/// Shares at which a step may be cut.
+/// Range of the fractions at which a step may be cut.
 const INSIDE: [f64; 2] = [1e-3, 0.999];
 
-/// Pressure, Pa, and its slope a step of length `h` ahead of where they are `at`, with w'/w now. `before` are those a time `since`
-/// ago, zero where there are none.
+/// Predicts pressure, Pa, and slope a step of length `h` ahead, from those now, `at`, and w'/w now. `before` are those a time `since`
+/// ago; `since` is zero if there are none.
 #[inline(always)]
 pub fn ahead(h: Lanes, at: [Lanes; 2], widening: Lanes, before: [Lanes; 2], since: Lanes) -> [Lanes; 2] {
     let past = since.where_positive(since, Lanes::ONE);
     if !widening.abs().any_positive() {
         return extrapolated(h, at, before, [past, past.recip()]);
     }
-    // w then and a step ahead, over w now.
+    // w then and a step ahead, relative to w now.
     let (wide, narrow) = (Lanes::ONE - widening * since, widening * h + 1.0);
     let [per_past, per_narrow] = reciprocals([past, narrow]);
-    // To the last digit, whichever lanes are beside.
+    // The same bits whatever the neighbouring lanes are.
     let per_narrow = widening.abs().where_positive(per_narrow, Lanes::ONE);
     let [pressure, slope] = before;
     let even = [at[0], at[1] + at[0] * widening * 6.0];
@@ -47,7 +48,7 @@ fn fifth_power(x: Lanes) -> Lanes {
     square * square * x
 }
 
-/// The pressures between which a step looks for corners, Pa, from those at its ends.
+/// The range of pressures in which a step looks for corners, Pa, from the pressures at its ends.
 #[inline(always)]
 pub fn inside(from: Lanes, to: Lanes) -> [Lanes; 2] {
     let way = to - from;
@@ -56,8 +57,8 @@ pub fn inside(from: Lanes, to: Lanes) -> [Lanes; 2] {
     [from + inward, to - inward]
 }
 
-/// Share of a step of length `h` at which it meets its first corner, 1 where it meets none: the first `corner` before `end` of
-/// [`inside`] or that itself, Pa. The pressures at both ends of the step, their slopes there, and w'/w at its start tell the way.
+/// Fraction of a step of length `h` at which it meets its first corner, 1 if none. `corner` is the first one before `end` of
+/// [`inside`], or `end` itself, Pa. Interpolates with the pressures and slopes at both ends of the step and w'/w at its start.
 #[inline(always)]
 pub fn met(
     [corner, end]: [Lanes; 2],
@@ -72,7 +73,7 @@ pub fn met(
         return Lanes::ONE;
     }
     let mut x = (corner - from) / (way + TINY);
-    // On the cubic through both ends, w being one at the start.
+    // On the cubic through both ends, with w = 1 at the start.
     let rise = widening * h;
     let moves = rise.abs().any_positive();
     let narrowing = rise + 1.0;
@@ -90,7 +91,7 @@ pub fn met(
         }
         let value = ((twist * x + bend) * x + slopes[0]) * x + from - there;
         let rate = (twist * x * 3.0 + bend * 2.0) * x + slopes[0] - rising;
-        // One over a rate that hardly changes, by Newton's method as well.
+        // The reciprocal of a rate that hardly changes, by Newton's method as well.
         per_rate = if round == 0 { rate.recip() } else { per_rate * (Lanes::from(2.0) - rate * per_rate) };
         x -= value * per_rate;
         round += 1;

@@ -1,52 +1,52 @@
-//! Steps by the Taylor series of a solution itself, for systems whose equations give its coefficients one after the other. In x, the
-//! time since the start of the step over a time u of the system's own, a step of h goes along
+//! Steps by the Taylor series of the solution, for systems whose equations give its coefficients recursively. In x, the time since the
+//! start of the step over a time scale u of the system, a step h uses
 //!
 //! P = Σ y_j x^j,  j from 0 to K,  h/u = min over j = K − 1 and K of (tolerance · |y|/|y_j|)^(1/j)
 //!
-//! so that neither of the last two terms is more than the tolerance: two, as one may vanish, and before the step, so that none is
-//! tried in vain (À. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99). What is left out is a part of that. Nor is a step longer
-//! than a few times that in which the fastest motion dies.
+//! so that neither of the last two terms exceeds the tolerance: two terms, as one may vanish, and before the step, so that none is
+//! rejected (À. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99). The truncation error is a fraction of that. A step is also
+//! limited to a few decay times of the fastest motion.
 //!
-//! The first state is the energy of the gas over its heat capacity. What the gas receives is found beside it, as the integral of the
-//! polynomial that has the Taylor coefficients of its rate at the start of the step, but for the last, and the rate f at its end:
+//! The first state is the energy of the gas over its heat capacity. The heat received is computed independently, as the integral of the
+//! polynomial with the Taylor coefficients of its rate at the start of the step, except for the last, and with the rate f at its end:
 //!
 //! P(h) − P(0) − (P'(h) − f) h/K
 //!
-//! so that the balance shows by how much P fails the equation.
+//! so that the energy balance shows the residual of P in the equation.
 
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
 
-/// K. With more coefficients steps grow longer than the polynomials of degree 7 through their ends can follow.
+/// K. With more coefficients steps would be too long for the polynomials of degree 7 through their ends.
 pub const ORDER: usize = 12;
-/// How many coefficients that makes.
+/// Number of coefficients.
 pub const TERMS: usize = ORDER + 1;
 
-/// Decays in a step at most. A motion that has died stays dead: over steps so long the polynomial leaves a tenth of it or so, where over
-/// longer ones it would let as much remain as the tolerance allows, of which each step would show in the balance.
+/// Largest step, in decay times. Keeps a decayed motion decayed: over such a step the polynomial leaves about a tenth of it, whereas
+/// longer ones would leave as much as the tolerance allows, which would show in the energy balance at each step.
 const FADES: f64 = 4.5;
 
 /// The series of N states.
 pub struct Expansion<const N: usize> {
     /// Coefficients in rising powers of x, by state.
     pub terms: [[Lanes; TERMS]; N],
-    /// The rate at which the fastest motion dies, times u.
+    /// Decay rate of the fastest motion, times u.
     pub decay: Lanes,
     /// u, s, and 1/u, 1/s.
     pub unit: Lanes,
     pub per_unit: Lanes,
 }
 
-/// Where a step leads to.
+/// The result of a step.
 pub struct Stride<const N: usize> {
     /// States at its end.
     pub end: [Lanes; N],
-    /// Rate of the first state there, by the series, times the length of the step.
+    /// Rate of the first state at its end, by the series, times the length of the step.
     pub rise: Lanes,
 }
 
 impl<const N: usize> Expansion<N> {
-    /// The longest step, s, to a relative tolerance.
+    /// The longest step for a relative tolerance, s.
     #[inline(always)]
     pub fn reach(&self, relative: f64) -> Lanes {
         let mut doublings = -logarithm(self.decay * (1.0 / FADES));
@@ -60,7 +60,7 @@ impl<const N: usize> Expansion<N> {
         power_of_two(doublings) * self.unit
     }
 
-    /// A step of that length, s.
+    /// A step of the given length, s.
     #[inline(always)]
     pub fn stride(&self, length: Lanes) -> Stride<N> {
         let x = length * self.per_unit;
@@ -81,15 +81,15 @@ impl<const N: usize> Expansion<N> {
     }
 }
 
-/// How far the bits of a number are moved to become those of a whole one below 2^52, and what one step in its exponent is there.
+/// Shift of the bits of a number that turns them into an integer below 2^52, and what a factor of two is there.
 const MOVED: u32 = 12;
 const DOUBLING: f64 = (1u64 << (f64::MANTISSA_DIGITS - 1 - MOVED)) as f64;
-/// 2^52, of which the bits are those of its exponent alone.
+/// 2^52, whose bits are those of its exponent alone.
 const WHOLE: f64 = (1u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
-/// What the exponent of 1 is in the bits.
+/// The biased exponent of 1.
 const BIAS: f64 = (f64::MAX_EXP - 1) as f64;
 
-/// lb |x| within 0.09: between powers of two as a line.
+/// lb |x| within 0.09: linear between powers of two.
 #[inline(always)]
 fn logarithm(x: Lanes) -> Lanes {
     let bits = each_lane!(i => f64::from_bits((x.0[i].abs().to_bits() >> MOVED) | WHOLE.to_bits()));

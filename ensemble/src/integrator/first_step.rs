@@ -1,9 +1,9 @@
-//! The first step of each problem: its length h, at which the error, growing with the eighth power, should meet the tolerance,
+//! The first step h of each problem, at which the error, which grows with the eighth power, should equal the tolerance,
 //!
 //! h = F L (tolerance |y|/(ε |dy/dt| L))^(1/8),  L = |dy/dt|/|d²y/dt²|
 //!
-//! and no more than L, by the rates at the start and a short way ahead. L is the time scale of the solution, ε the error estimate of
-//! a step as long as that, F a share for safety.
+//! and at most L, from the rates at the start and a short time ahead. L is the time scale of the solution, ε the error estimate of a step
+//! of that length, F a safety factor.
 
 use crate::integrator::step::{LaneSystem, Moment, PROBE, TINY, probe, size};
 use crate::lanes::Lanes;
@@ -11,13 +11,13 @@ use crate::lanes::math::inverse_eighth_root;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Share of the length that the estimate gives, for the first step: its time scale is a guess.
+/// F: the time scale is only an estimate.
 const FIRST: f64 = 0.6;
-/// Estimated error of a step of the time scale's length L, relative to the distance |dy/dt| L: what the pair's
-/// estimate gives for dy/dt = −y/L at h = L, where it still grows with the eighth power.
+/// ε, relative to the distance |dy/dt| L: the pair's error estimate for dy/dt = −y/L at h = L, where it still grows with the eighth
+/// power.
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 
-/// The first rates of a system in states `y`, and the length of its first step over a stretch of `length`, s.
+/// Initial rates of a system in states `y`, and its first step over a stretch of `length`, s.
 #[inline(always)]
 pub fn begin<const N: usize, S: LaneSystem<N>>(
     system: &S,
@@ -27,7 +27,7 @@ pub fn begin<const N: usize, S: LaneSystem<N>>(
     relative: f64,
 ) -> (Moment<N>, Lanes) {
     let (mut begin, mut there, mut time, mut ahead) = (Moment::NONE, [Lanes::ZERO; N], Lanes::ZERO, *y);
-    // There, and a short way ahead: by one copy of the rates.
+    // At the start and a short time ahead, with one copy of the rates' code.
     for evaluation in 0..black_box(2) {
         let moment = system.rates(time, &ahead);
         if evaluation > 0 {
@@ -43,7 +43,7 @@ pub fn begin<const N: usize, S: LaneSystem<N>>(
     (begin, first_step(length, y, absolute, [&begin.slope, &there], time, relative))
 }
 
-/// Length of the step from `y`, s, by the rates there and a time `probe` ahead.
+/// Length of the first step from `y`, s, from the rates there and a time `probe` ahead.
 #[inline(always)]
 pub fn first_step<const N: usize>(
     length: Lanes,
@@ -53,7 +53,7 @@ pub fn first_step<const N: usize>(
     probe: Lanes,
     relative: f64,
 ) -> Lanes {
-    // A state that starts from rest has no time scale of its own yet and takes that of the others.
+    // A state that starts from rest has no time scale yet and takes that of the others.
     let mut common = length;
     for i in 0..N {
         let (rate, bend) = (slope[i].abs(), (there[i] - slope[i]).abs());
@@ -69,6 +69,6 @@ pub fn first_step<const N: usize>(
         let share = inverse_eighth_root(rate * scale / size + 1e-30);
         first = first.min(scale * (share * FIRST).min(Lanes::ONE));
     }
-    // Something, should the rates vanish or not be numbers: the step's own error decides.
+    // Any positive step if the rates vanish or are NaN: its own error decides.
     first.where_positive(first, length * PROBE)
 }

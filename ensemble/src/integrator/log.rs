@@ -1,5 +1,5 @@
-//! What is kept of the steps through holds, to look into some of them later: as little as that takes, as a chunk's steps are to
-//! stay in a core's cache.
+//! The log of the steps through holds, some of which are interpolated later. Entries are small so that a chunk's steps stay in a core's
+//! cache.
 
 use crate::integrator::advance::{Tried, Watch};
 use crate::lanes::Lanes;
@@ -13,12 +13,12 @@ pub struct Attempted<const N: usize> {
     pub length: Lanes,
     /// States at its start and its end.
     pub states: [[Lanes; N]; 2],
-    /// Positive where the step was accepted.
+    /// Positive if the step was accepted.
     pub accepted: Lanes,
 }
 
 impl<const N: usize> Attempted<N> {
-    /// Puts its length and the states at its ends, of one lane of its own, into a lane.
+    /// Copies its length and the states at its ends from its lane `column` to a lane.
     #[inline(always)]
     pub fn put(&self, column: usize, lane: usize, length: &mut Lanes, ends: &mut [[Lanes; N]; 2]) {
         length[lane] = self.length[column];

@@ -1,4 +1,4 @@
-//! Initial value problems in lanes: many at once ([`advance`]), by steps ([`step`]) along a clock of their own ([`clock`]).
+//! Initial value problems in lanes: many at once ([`advance`]), by adaptive steps ([`step`]) in a clock ([`clock`]).
 
 pub mod advance;
 pub mod clock;

@@ -1,4 +1,4 @@
-//! One step of the 8(5,3) pair in lanes, each lane with its own time, length and tolerance.
+//! One step of the 8(5,3) pair in lanes; each lane has its own time, length and tolerance.
 
 use crate::integrator::expansion::Expansion;
 use crate::integrator::tableau::{A, C, E3, E5, STAGES};
@@ -7,26 +7,26 @@ use chamber::real::Real;
 use core::hint::black_box;
 use core::ops::Range;
 
-/// What is seen of a system at one moment: pressure, Pa, temperature, K, and their rates in the integrator's time.
+/// The observable quantities of a system at one time: pressure, Pa, temperature, K, and their rates in integrator time.
 #[derive(Clone, Copy, Debug)]
 pub struct View<R> {
     /// Pressure, Pa, and temperature, K.
     pub value: [R; 2],
-    /// Rates of pressure and temperature, in the integrator's time.
+    /// Rates of pressure and temperature in integrator time.
     pub slope: [R; 2],
 }
 
 impl<R: Real> View<R> {
-    /// Zero throughout: without a system.
+    /// All zero.
     pub const NONE: Self = Self { value: [R::ZERO; 2], slope: [R::ZERO; 2] };
 
-    /// Gas that flows in, less what flows out, over the gas there, M = P V/(R T) in a volume that stays: in the integrator's time.
+    /// Net inflow relative to the gas in the chamber, M = P V/(R T), for a constant volume, in integrator time.
     #[inline(always)]
     pub fn inflow(&self) -> R {
         self.slope[0] / self.value[0] - self.slope[1] / self.value[1]
     }
 
-    /// Rate of the pressure over the pressure, in the integrator's time.
+    /// Relative rate of the pressure in integrator time.
     #[inline(always)]
     pub fn pressure_rate(&self) -> R {
         self.slope[0] / self.value[0]
@@ -41,8 +41,7 @@ impl View<Lanes> {
     }
 }
 
-/// A quantity and its slope a time `ahead` of `at`, as the cubic has it that leads here from `before` over a time `since`, of
-/// which the reciprocal is known.
+/// Extrapolates a quantity and its slope by a time `ahead` from `at`, on the cubic that connects `before`, a time `since` ago, with `at`.
 #[inline(always)]
 pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], [since, per_since]: [Lanes; 2]) -> [Lanes; 2] {
     let x = ahead * per_since;
@@ -51,35 +50,35 @@ pub fn extrapolated(ahead: Lanes, at: [Lanes; 2], before: [Lanes; 2], [since, pe
     [at[0] + ((twist * x + bend) * x + to) * x, ((twist * x * 3.0 + bend * 2.0) * x + to) * per_since]
 }
 
-/// A system at one moment.
+/// A system at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<const N: usize> {
-    /// dy/dt, per unit of the integrator's time.
+    /// dy/dt, in integrator time.
     pub slope: [Lanes; N],
     /// Pressure and temperature there.
     pub view: View<Lanes>,
-    /// Power that reaches the gas as heat and enthalpy, and power with which it works on the piston. No state is linear in
-    /// the energy, so that the step's integrals of these know nothing of its own error.
+    /// Power received as heat and enthalpy, and power delivered to the piston. No state is linear in the energy, so that the integrals of
+    /// these over a step are independent of the step's own error.
     pub power: [Lanes; 2],
 }
 
 impl<const N: usize> Moment<N> {
-    /// Of a system that stands and shows nothing.
+    /// All zero.
     pub const NONE: Self = Self { slope: [Lanes::ZERO; N], view: View::NONE, power: [Lanes::ZERO; 2] };
 }
 
-/// Ordinary differential equations of N states, independent systems side by side.
+/// Systems of ordinary differential equations with N states, one per lane.
 pub trait LaneSystem<const N: usize>: Clone {
-    /// What a lane's system is made from.
+    /// The data of one system.
     type Row;
-    /// Whether the rates are so cheap that each stage deserves code of its own.
+    /// Whether the rates are cheap enough for a copy of their code in each stage.
     const CHEAP: bool = true;
-    /// Whether to compile it for machines without wide instructions, too.
+    /// Whether it is also compiled for machines without wide instructions.
     const ANYWHERE: bool = false;
-    /// Whether steps are taken by [`LaneSystem::expansion`], in the place of the pair.
+    /// Whether steps are taken by [`LaneSystem::expansion`] instead of the pair.
     const BY_SERIES: bool = false;
 
-    /// Puts the constants of a row's system into a lane.
+    /// Loads the constants of a row into a lane.
     fn load(&mut self, lane: usize, row: &Self::Row);
 
     /// The system at time `t`, s.
@@ -91,17 +90,17 @@ pub trait LaneSystem<const N: usize>: Clone {
         unreachable!("a system whose steps are taken by the pair")
     }
 
-    /// Puts states right that follow from others, at the end of a step over which they have gone a little astray.
+    /// Recomputes states that are functions of others, at the end of a step, to remove their accumulated error.
     #[inline(always)]
     fn restore(&self, _: &mut [Lanes; N]) {}
 
-    /// Number of states, from the first on, that move in any lane: the others stay where they begin.
+    /// Number of states, the first ones, that change in any lane; the others are constant.
     #[inline(always)]
     fn moving(&self) -> usize {
         N
     }
 
-    /// Number of states that count in the mean of the error, by lane: those that a row really has.
+    /// Number of states in the error norm, by lane: those that a row has.
     #[inline(always)]
     fn counted(&self) -> Lanes {
         Lanes::from(N as f64)
@@ -113,30 +112,29 @@ pub trait LaneSystem<const N: usize>: Clone {
         false
     }
 
-    /// w'/w of w = V^(1/4) at a moment: how fast the chamber widens.
+    /// w'/w of w = V^(1/4) at a place of the clock.
     #[inline(always)]
     fn widening(&self, _: Lanes) -> Lanes {
         Lanes::ZERO
     }
 
-    /// The first pressure after `from` and before `to`, Pa, at which the rates have a kink; `to` where there is none. Steps are made
-    /// to end there: across a kink their error estimates are blind.
+    /// The first pressure between `from` and `to`, Pa, at which the rates have a kink; `to` if there is none. Steps end there, as error
+    /// estimates do not see a kink inside a step.
     #[inline(always)]
     fn kink(&self, _from: Lanes, to: Lanes) -> Lanes {
         to
     }
 }
 
-/// Least e5²/e3³ of a step whose e5 can be believed, e5 and e3 relative to the states: a twentieth of what
-/// dy/dt = −y/L gives.
+/// Smallest plausible e5²/e3³ of a step, with e5 and e3 relative to the states: a twentieth of the value for dy/dt = −y/L.
 const CHANCE: f64 = 2.5e-4;
 
-/// Share of a state, and of the stretch, over which the first step's length is felt out.
+/// Size of the probing step for the first step, relative to the states and to the stretch.
 pub const PROBE: f64 = 0.01;
-/// Added to what is divided by (a choice between quotients would become branches).
+/// Added to divisors (choosing between quotients would become branches).
 pub const TINY: f64 = 1e-300;
 
-/// Σ weight_j slope_j over the listed stages j, the latest last.
+/// Σ weight_j slope_j over the listed stages j, in ascending order.
 macro_rules! weighted {
     ($fused:ident, $slopes:expr, $i:expr, $weights:expr; 0 $($j:tt)*) => {{
         let sum = $slopes[0][$i] * $weights[0];
@@ -145,7 +143,7 @@ macro_rules! weighted {
     }};
 }
 
-/// One stage of a step (system, time, length, states), from the listed earlier ones: the states it is taken at.
+/// One stage of a step (system, time, length, states), from the listed earlier ones. Returns the states at the stage, and its rates.
 macro_rules! stage_of {
     ($fused:ident, ($system:ident, $t:ident, $h:ident, $y:ident), ($slopes:ident, $powers:ident), $s:literal; $($j:tt)*) => {{
         let mut at = *$y;
@@ -161,8 +159,8 @@ macro_rules! stage_of {
     }};
 }
 
-/// Applies a macro to the stages from 1 on, each with those beside the first whose weights in it are not zero; the last is the end of
-/// the step.
+/// Applies a macro to the stages from 1 on, each with the stages after the first that have nonzero weights in it; the last is the end
+/// of the step.
 macro_rules! each_stage {
     ($apply:ident) => {
         $apply! {
@@ -173,7 +171,7 @@ macro_rules! each_stage {
     };
 }
 
-/// What an attempted step has found.
+/// The result of an attempted step.
 pub struct Attempt<const N: usize> {
     /// States at its end.
     pub end: [Lanes; N],
@@ -181,7 +179,7 @@ pub struct Attempt<const N: usize> {
     pub moment: Moment<N>,
     /// Energy received as heat and enthalpy, and work, over the step: integrals of [`Moment::power`].
     pub energy: [Lanes; 2],
-    /// Error over tolerance, squared: at most 1 where the step is good. NaN where the equations could not be evaluated.
+    /// Squared ratio of error to tolerance: at most 1 if the step is good. NaN if the equations could not be evaluated.
     pub error_squared: Lanes,
 }
 
@@ -194,17 +192,17 @@ pub struct Stages<const N: usize> {
 }
 
 impl<const N: usize> Stages<N> {
-    /// Of no step yet.
+    /// All zero.
     pub const NONE: Self = Self { slopes: [[Lanes::ZERO; N]; STAGES], powers: [[Lanes::ZERO; 2]; STAGES] };
 
-    /// Begins a step at that moment.
+    /// Begins a step: sets stage 0.
     #[inline(always)]
     pub fn begin(&mut self, at: &Moment<N>) {
         (self.slopes[0], self.powers[0]) = (at.slope, at.power);
     }
 }
 
-/// Stages 1 to 12, each in code of its own without the weights that are zero; the states at the end.
+/// Evaluates stages 1 to 12, unrolled and without zero weights; returns the states at the end, and the rates there.
 #[inline(always)]
 fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
@@ -225,13 +223,13 @@ fn stages_unrolled<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     end
 }
 
-/// The size, at least, that a state counts by.
+/// Scale of a state: its size plus the absolute tolerance over the relative one.
 #[inline(always)]
 pub fn size(y: Lanes, absolute: Lanes, relative: f64) -> Lanes {
     y.abs() + absolute * (1.0 / relative)
 }
 
-/// Over how long a time, s, to feel out how the rates change.
+/// Length of the probing step, s, over which the change of the rates is measured.
 #[inline(always)]
 pub fn probe<const N: usize>(
     length: Lanes,
@@ -247,12 +245,12 @@ pub fn probe<const N: usize>(
     probe
 }
 
-/// Stages to be evaluated in turn to feel out the first step from some states: there, and a short way ahead.
+/// Additional stages for estimating the first step: at the start, and a short time ahead.
 pub const FEELING: Range<usize> = STAGES..STAGES + 2;
 
-/// Evaluates stages in turn, by one copy of the rates: the states at the last one, the system there, and the length it was
-/// reached over. In [`FEELING`] that length is a [`probe`] by the first rates, of a stretch of `length`; these become stage 0,
-/// those ahead stage 1, and the system is that at the start.
+/// Evaluates stages in a loop, with one copy of the rates' code. Returns the states and the rates at the last one, and the length of the
+/// step. For [`FEELING`] that length is a [`probe`] of a stretch of `length`; the rates at the start become stage 0, those ahead stage
+/// 1, and the returned rates are those at the start.
 #[inline(always)]
 pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
@@ -269,7 +267,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
                 match stage {
                     $($s => from_those!($s; $($j)*),)*
                     $end => from_those!($end; $($i)*),
-                    // One that only feels out.
+                    // A stage for the first step.
                     _ => from_those!(stage;),
                 }
             };
@@ -277,7 +275,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
         macro_rules! from_those {
             ($s:expr; $($j:literal)*) => {
                 for i in 0..system.moving() {
-                    // Else the compiler puts states side by side, not lanes.
+                    // Otherwise the compiler vectorises across states instead of lanes.
                     let k = black_box(&*k);
                     at[i] = multiply_add::<FUSED>(weighted!(FUSED, k, i, A[$s]; 0 $($j)*), h, y[i]);
                 }
@@ -301,7 +299,7 @@ pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     (at, last, h)
 }
 
-/// Tries a step of `h` from `y`, where the system is `begin`, of a system whose rates are cheap.
+/// Attempts a step of `h` from `y`, with the rates `begin` there, for a system with cheap rates.
 #[inline(always)]
 pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
@@ -317,7 +315,7 @@ pub fn attempt<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     judge::<N, FUSED, S>(system, h, y, end, &stages, tolerance)
 }
 
-/// The attempt that has led from `y` to an end, by its stages.
+/// Evaluates an attempted step from `y`, given its end and its stages.
 #[inline(always)]
 pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
     system: &S,
@@ -336,10 +334,10 @@ pub fn judge<const N: usize, const FUSED: bool, S: LaneSystem<N>>(
         fifth = multiply_add::<FUSED>(e5, e5, fifth);
         third = multiply_add::<FUSED>(e3, e3, third);
     }
-    // e5 grows as e3^1.5; where it is far below that, it is about to change sign and says nothing about the step.
+    // e5 grows as e3^1.5; far below that it is about to change sign and is no measure of the error.
     let usual = third * third.sqrt() * (tolerance.0 * CHANCE);
     let fifth = fifth.max(usual);
-    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), in the mean over the states; squared, to save the root.
+    // Hairer's combination e5 · e5/√(e5² + 0.01 e3²), averaged over the states; squared, to save the root.
     let error_squared = fifth * fifth / ((third * 0.01 + fifth + 1e-200) * system.counted());
     let mut energy = [Lanes::ZERO; 2];
     for part in 0..2 {

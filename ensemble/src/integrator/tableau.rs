@@ -1,20 +1,20 @@
-//! Coefficients of the explicit Runge–Kutta pair of Dormand and Prince, order 8(5,3), as it is used here: without dense output.
+//! Coefficients of the explicit Runge–Kutta pair of Dormand and Prince, order 8(5,3), without dense output.
 //!
 //! Source: P. J. Prince and J. R. Dormand, J. Comput. Appl. Math. 7 (1981) 67; error estimator of
 //! E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I (1993), sections II.5 and II.6.
 
-/// Number of stages, the one at the end of the step included, of which the first is the end of the step before.
+/// Number of stages, including the one at the end of the step; the first is the end of the previous step.
 pub const STAGES: usize = 13;
 
-/// c: where in the step each stage stands, in its length; then, to feel out a first step, where it begins and ends.
+/// c: place of each stage in the step; then those of the two stages for estimating a first step.
 pub const C: [f64; STAGES + 2] = [
     0.0, 0.052_600_151_958_767_73, 0.078_900_227_938_151_6, 0.118_350_341_907_227_4, 0.281_649_658_092_772_6,
     0.333_333_333_333_333_3, 0.25, 0.307_692_307_692_307_7, 0.651_282_051_282_051_3, 0.6, 0.857_142_857_142_857_1, 1.0,
     1.0, 0.0, 1.0,
 ];
 
-/// a: row i holds the weights of stages 0 to i - 1 in stage i; row 12 is the eighth-order step itself. Then its start, and a
-/// step of Euler's method.
+/// a: row i contains the weights of stages 0 to i - 1 in stage i; row 12 is the eighth-order step. Then the two stages for estimating a
+/// first step: the start, and a step of Euler's method.
 pub const A: [[f64; STAGES - 1]; STAGES + 2] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [0.052_600_151_958_767_73, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],

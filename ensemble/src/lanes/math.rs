@@ -1,10 +1,10 @@
-//! e^x and ln x in lanes, without branches, within about one unit in the last place; and x^n to thirteen digits, in half of the
-//! time that these two take.
+//! e^x and ln x in lanes, without branches, within about one unit in the last place; and x^n to thirteen digits, in half the time of
+//! these two.
 //!
 //! exp: x = k ln 2 + r, |r| ≤ ½ ln 2 (Cody and Waite, 1980), Taylor polynomial of degree 13 in r.
 //! ln: x = 2^k m, m in [√½, √2), the odd series in s = (m − 1)/(m + 1) (as in fdlibm, 1993, here with its exact
 //! coefficients 2/(2i + 1)).
-//! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent that the length of a step needs.
+//! x^n = 2^(n lb x): the same series, shorter. And x^(−1/8) to the few per cent needed for the length of a step.
 
 use crate::lanes::{Lanes, each_lane, multiply_add};
 use chamber::real::Real;
@@ -14,14 +14,35 @@ const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5·2^52: adding it leaves an integer in the low bits
 
-/// x^(−1/8) within a few per cent, for x > 0: halves of the exponent on the bits of the number.
+/// Coefficients of e^r from r² on: 1/(i + 2)!.
+const INVERSE_FACTORIALS: [f64; 12] = {
+    let (mut all, mut factorial, mut i) = ([0.0; 12], 1.0, 0);
+    while i < 12 {
+        factorial *= (i + 2) as f64;
+        all[i] = 1.0 / factorial;
+        i += 1;
+    }
+    all
+};
+
+/// Coefficients of ln m over s in powers of s², without the first one: 2/(2i + 3), and zero at the end.
+const ODD_SERIES: [f64; 12] = {
+    let (mut all, mut i) = ([0.0; 12], 0);
+    while i < 11 {
+        all[i] = 2.0 / (2 * i + 3) as f64;
+        i += 1;
+    }
+    all
+};
+
+/// x^(−1/8) within a few per cent, for x > 0: by a shift of the number's bits.
 #[inline(always)]
 pub fn inverse_eighth_root(x: Lanes) -> Lanes {
     const ONE: u64 = 0x3ff0_0000_0000_0000;
     each_lane!(i => f64::from_bits((ONE + ONE / 8).wrapping_sub(x.0[i].to_bits() >> 3)))
 }
 
-/// e^x for x in [−708, 709]; outside, the value at the bound.
+/// e^x for x in [−708, 709]; outside, the value at the nearer bound.
 #[inline(always)]
 pub fn exp(x: Lanes) -> Lanes {
     let x = x.min(Lanes::from(709.0)).max(Lanes::from(-708.0));
@@ -29,24 +50,7 @@ pub fn exp(x: Lanes) -> Lanes {
     let k = shifted - ROUND;
     let r = (x - k * LN2_HIGH) - k * LN2_LOW;
     let square = r * r;
-    let p = polynomial(
-        r,
-        square,
-        [
-            0.5,
-            1.0 / 6.0,
-            1.0 / 24.0,
-            1.0 / 120.0,
-            1.0 / 720.0,
-            1.0 / 5_040.0,
-            1.0 / 40_320.0,
-            1.0 / 362_880.0,
-            1.0 / 3_628_800.0,
-            1.0 / 39_916_800.0,
-            1.0 / 479_001_600.0,
-            1.0 / 6_227_020_800.0,
-        ],
-    );
+    let p = polynomial(r, square, INVERSE_FACTORIALS);
     let result = r + square * p + 1.0;
     result * power_of_two(shifted)
 }
@@ -67,33 +71,16 @@ pub fn decay<const FUSED: bool>(x: Lanes) -> Lanes {
     p * power_of_two(shifted)
 }
 
-/// Natural logarithm of a positive, normal x; other x give an arbitrary number.
+/// Natural logarithm of a positive, normal x; arbitrary for other x.
 #[inline(always)]
 pub fn ln(x: Lanes) -> Lanes {
     let [k, m] = exponent_and_mantissa(x);
     let f = m - 1.0;
     let s = f / (m + 1.0);
     let z = s * s;
-    let p = polynomial(
-        z,
-        z * z,
-        [
-            2.0 / 3.0,
-            2.0 / 5.0,
-            2.0 / 7.0,
-            2.0 / 9.0,
-            2.0 / 11.0,
-            2.0 / 13.0,
-            2.0 / 15.0,
-            2.0 / 17.0,
-            2.0 / 19.0,
-            2.0 / 21.0,
-            2.0 / 23.0,
-            0.0,
-        ],
-    );
+    let p = polynomial(z, z * z, ODD_SERIES);
     let half_square = f * f * 0.5;
-    // ln m = f − (f²/2 − s (f²/2 + z p)), the form that keeps the leading term exact.
+    // ln m = f − (f²/2 − s (f²/2 + z p)): in this form the leading term is exact.
     k * LN2_HIGH - ((half_square - (s * (half_square + z * p) + k * LN2_LOW)) - f)
 }
 
@@ -117,7 +104,7 @@ fn power_of_two(shifted: Lanes) -> Lanes {
     each_lane!(i => f64::from_bits(shifted.0[i].to_bits().wrapping_sub(ROUND.to_bits() - 1023) << 52))
 }
 
-/// x^n of a positive, normal x, |n lb x| < 1000, to thirteen digits. For machines that multiply and add at once.
+/// x^n of a positive, normal x, |n lb x| < 1000, to thirteen digits. For machines with fused multiply-add.
 #[inline(always)]
 pub fn power(x: Lanes, n: Lanes) -> Lanes {
     let [k, m] = exponent_and_mantissa(x);
@@ -168,8 +155,8 @@ fn linear(x: Lanes, constant: f64, slope: f64) -> Lanes {
     each_lane!(i => x.0[i].mul_add(slope, constant))
 }
 
-/// A polynomial by its coefficients in powers of x, an even number of them: even and odd powers apart, of which half as many
-/// operations wait for each other as of Horner's scheme.
+/// A polynomial in x with an even number of coefficients: even and odd powers separately, with half the dependency chain of Horner's
+/// scheme.
 #[inline(always)]
 pub fn in_powers<R: Real, const N: usize>(terms: &[R; N], x: R) -> R {
     let square = x * x;
@@ -181,7 +168,7 @@ pub fn in_powers<R: Real, const N: usize>(terms: &[R; N], x: R) -> R {
     even + odd * x
 }
 
-/// The same in four sums, for machines that multiply and add at once.
+/// The same in four sums, for machines with fused multiply-add.
 #[inline(always)]
 pub fn in_powers_fused<const N: usize>(terms: &[Lanes; N], x: Lanes) -> Lanes {
     let (square, fourth) = (x * x, (x * x) * (x * x));
@@ -194,8 +181,8 @@ pub fn in_powers_fused<const N: usize>(terms: &[Lanes; N], x: Lanes) -> Lanes {
     fused(fused(sums[3], x, sums[2]), square, fused(sums[1], x, sums[0]))
 }
 
-/// A polynomial of degree 11 in x, from the constant on, by Estrin's scheme: its longest chain of operations that wait for
-/// each other is a third of Horner's (G. Estrin, Western Joint Computer Conference, 1960).
+/// A polynomial of degree 11 in x, with coefficients in ascending order, by Estrin's scheme: its dependency chain is a third of
+/// Horner's (G. Estrin, Western Joint Computer Conference, 1960).
 #[inline(always)]
 fn polynomial(x: Lanes, square: Lanes, c: [f64; 12]) -> Lanes {
     let fourth = square * square;

@@ -1,22 +1,22 @@
-//! Several numbers side by side, in a form that the compiler turns into SIMD instructions of whatever width the
-//! enclosing function may use (AVX-512, AVX2, NEON, SSE2).
+//! Arrays of numbers in a form that the compiler turns into SIMD instructions of the width that the enclosing function may use (AVX-512,
+//! AVX2, NEON, SSE2).
 
 pub(crate) mod math;
 mod real;
 
 use core::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
-/// How many numbers stand side by side in [`Lanes`].
+/// Number of lanes in [`Lanes`].
 pub const WIDTH: usize = 16;
 
-/// [`WIDTH`] numbers that go through the same operations.
+/// [`WIDTH`] numbers that undergo the same operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
 
-/// Evaluates an expression for each lane, written out: a loop in each operation would become thousands of loops in a function
-/// of the kernel, which the compiler takes minutes to unroll. No closure either: what closures compile to is not inlined into a
-/// function with more instructions than the crate's, and would stay scalar there.
+/// Evaluates an expression for each lane, unrolled: a loop in each operation would become thousands of loops in a function of the
+/// kernel, which the compiler takes minutes to unroll. Not a closure either: closures are not inlined into a function with more
+/// target features than the crate's, and would stay scalar there.
 macro_rules! each_lane {
     ($i:ident => $value:expr) => {
         each_lane!($i => $value; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
@@ -30,7 +30,7 @@ macro_rules! each_lane {
 }
 pub(crate) use each_lane;
 
-/// Puts numbers of one system, each by its name, into a lane.
+/// Loads fields of one system, given by name, into a lane.
 macro_rules! put {
     ($to:expr, $lane:expr, $from:expr; $($($name:ident).+),+ $(,)?) => {
         $($to.$($name).+[$lane] = $from.$($name).+;)+
@@ -38,14 +38,14 @@ macro_rules! put {
 }
 pub(crate) use put;
 
-/// a b + c, rounded once where `FUSED`: only for machines with the instruction, else it would be a slow call.
+/// a b + c, rounded once if `FUSED`: only for machines with the instruction, as it is a slow call elsewhere.
 #[inline(always)]
 pub fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
     if FUSED { each_lane!(i => a.0[i].mul_add(b.0[i], c.0[i])) } else { a * b + c }
 }
 
 impl Lanes {
-    /// One number per lane, made from the lane's index.
+    /// Computes each lane from its index.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
         let mut out = Self([0.0; WIDTH]);

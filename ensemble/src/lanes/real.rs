@@ -1,10 +1,10 @@
-//! Lanes as the numbers of the chamber's equations.
+//! Lanes as numbers for the chamber's equations.
 
 use crate::lanes::math;
 use crate::lanes::{Lanes, WIDTH, each_lane};
 use chamber::real::Real;
 
-/// Whether a condition holds in any lane: without branches, so that all lanes are compared at once.
+/// Whether a condition holds in any lane; without branches, so that all lanes are compared at once.
 macro_rules! any_lane {
     ($i:ident => $condition:expr) => {
         any_lane!($i => $condition; 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)

@@ -1,29 +1,29 @@
-//! Linear equations in lanes, of the size that steps of [`conduction`](crate::conduction) have: eliminated once, solved for
-//! several right sides.
+//! Systems of linear equations in lanes, of the size used in [`conduction`](crate::conduction): eliminated once, solved for several
+//! right-hand sides.
 
 use crate::lanes::{Lanes, multiply_add};
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// How many equations there are.
+/// Number of equations.
 pub const SIZE: usize = 6;
 
-/// A matrix, eliminated without exchanges: its diagonal must be large.
+/// The factors of a matrix, without pivoting: its diagonal must be large.
 pub struct Factors {
-    /// The matrix to be taken next.
+    /// The matrix to be factorised next.
     pub next: [[Lanes; SIZE]; SIZE],
-    /// Above the diagonal what elimination leaves there, below it the factors that it took.
+    /// The upper factor above the diagonal, the negative lower factor below it.
     matrix: [[Lanes; SIZE]; SIZE],
-    /// One over the diagonal.
+    /// Reciprocals of the diagonal.
     per_pivot: [Lanes; SIZE],
 }
 
 impl Factors {
-    /// Of no matrix yet.
+    /// Without a matrix.
     pub const NONE: Self =
         Self { next: [[Lanes::ZERO; SIZE]; SIZE], matrix: [[Lanes::ZERO; SIZE]; SIZE], per_pivot: [Lanes::ONE; SIZE] };
 
-    /// Takes the next matrix, which is used up, in lanes where `anew` is positive.
+    /// Factorises the next matrix, in place, in lanes where `anew` is positive.
     #[inline(always)]
     pub fn take(&mut self, anew: Lanes) {
         let matrix = &mut self.next;
@@ -45,7 +45,7 @@ impl Factors {
         }
     }
 
-    /// The solution for a right side, which is used up. Written out, as the compiler leaves such loops as they are.
+    /// The solution for a right-hand side, which is overwritten. Unrolled by hand, as the compiler does not unroll such loops.
     #[inline(always)]
     pub fn solve(&self, right: &mut [Lanes; SIZE]) -> [Lanes; SIZE] {
         let Self { matrix, per_pivot, .. } = self;

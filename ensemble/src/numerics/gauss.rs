@@ -1,8 +1,8 @@
-//! What 16-point Gauss–Legendre quadrature makes of a quantity beside its integral: the integrals up to each node, by a
-//! matrix, and the polynomial through the values. Places are shares of an interval, from 0 to 1.
+//! The nodes of 16-point Gauss–Legendre quadrature for more than an integral: the integrals up to each node, by a matrix, and the
+//! polynomial through the values. Places are fractions of an interval, from 0 to 1.
 //!
-//! Nodes lie in pairs, each the mirror image of the other about the middle. What is even about it depends on the sums of a
-//! pair's values alone, what is odd on their differences: matrices of half the size each way.
+//! Nodes come in pairs that are symmetric about the middle. The even part depends only on the sums of a pair's values, the odd part on
+//! their differences: the matrices have half the size each way.
 
 use crate::lanes::math::in_powers;
 use chamber::exact::GAUSS_16;
@@ -16,14 +16,14 @@ pub const NODES: usize = 16;
 /// Pairs of nodes.
 const PAIRS: usize = NODES / 2;
 
-/// What the rule makes of values at its nodes.
+/// The matrices of the rule.
 pub struct GaussRule {
-    /// The integrals of the polynomials through them: of the even part from the middle to the later node of a pair, of the odd
-    /// one from 0 to either; to be multiplied by [`Mirrored`].
+    /// Integrals of the polynomial through the values: of the even part from the middle to the later node of a pair, of the odd part
+    /// from 0 to either; to be multiplied by [`Mirrored`].
     up_to_node: [[[f64; PAIRS]; PAIRS]; 2],
-    /// The coefficients of Legendre's polynomials in them, likewise.
+    /// Legendre coefficients of that polynomial, likewise.
     legendre: [[f64; PAIRS]; NODES],
-    /// The coefficients of powers in Legendre's polynomials.
+    /// Coefficients of the powers in the Legendre polynomials.
     powers: [[f64; NODES]; NODES],
 }
 
@@ -31,10 +31,10 @@ pub struct GaussRule {
 pub struct Mirrored<R>([[R; PAIRS]; 2]);
 
 impl<R: Real> Mirrored<R> {
-    /// Of these values.
+    /// The sums and differences of these values.
     #[inline(always)]
     pub fn new(values: &[R; NODES]) -> Self {
-        // Results pass through memory: else the compiler vectorises the loop by gathering numbers from all lanes.
+        // Passes through memory: otherwise the compiler vectorises the loop by gathering numbers from all lanes.
         let mut parts = [[R::ZERO; PAIRS]; 2];
         for pair in 0..black_box(PAIRS) {
             let [early, late] = [values[2 * pair], values[2 * pair + 1]];
@@ -46,7 +46,7 @@ impl<R: Real> Mirrored<R> {
 }
 
 impl GaussRule {
-    /// Its own integrals, from 0 to each node, of the polynomial that has these values at the nodes.
+    /// Writes to `out` the integrals from 0 to each node of the polynomial with these values at the nodes.
     #[inline(always)]
     pub fn up_to_nodes<R: Real>(&self, Mirrored([sums, differences]): &Mirrored<R>, out: &mut [R; NODES]) {
         let mut half = R::ZERO;
@@ -61,7 +61,7 @@ impl GaussRule {
         }
     }
 
-    /// The coefficient of Legendre's polynomial of that order in the polynomial that has these values at the nodes.
+    /// The Legendre coefficient of an order of the polynomial with these values at the nodes.
     #[inline(always)]
     pub fn legendre<R: Real>(&self, values: &Mirrored<R>, order: usize) -> R {
         weighted(&values.0[order % 2], &self.legendre[order])
@@ -77,10 +77,10 @@ fn weighted<R: Real>(values: &[R; PAIRS], weights: &[f64; PAIRS]) -> R {
     sum
 }
 
-/// Its matrices, worked out at their first use.
+/// The matrices, computed at their first use.
 pub static RULE: LazyLock<GaussRule> = LazyLock::new(|| {
     let nodes: [(f64, f64); NODES] = core::array::from_fn(node);
-    // Legendre's polynomials at a place from 0 to 1.
+    // The Legendre polynomials at a place from 0 to 1.
     let legendre = |x: f64| {
         let (mut p, t) = ([1.0; NODES + 1], 2.0 * x - 1.0);
         p[1] = t;
@@ -89,9 +89,9 @@ pub static RULE: LazyLock<GaussRule> = LazyLock::new(|| {
         }
         p
     };
-    // Of a pair's later node, which stands for both.
+    // The later node of each pair, which represents both.
     let later: [(f64, f64); PAIRS] = core::array::from_fn(|pair| nodes[2 * pair + 1]);
-    // Even polynomials of Legendre have odd integrals, and those of odd ones are even.
+    // Even Legendre polynomials have odd integrals, odd ones even integrals.
     let up_to_node = [0, 1].map(|parity| {
         later.map(|(x, _)| {
             let up_to = legendre(x);
@@ -122,16 +122,15 @@ pub fn node(index: usize) -> (f64, f64) {
     (0.5 + side * x, 0.5 * weight)
 }
 
-/// A quantity along an interval: coefficients in powers of its place from −1 to 1.
+/// A quantity along an interval: coefficients in powers of the place from −1 to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Panel<R>([R; NODES]);
 
 impl<R: Real> Panel<R> {
-    /// The polynomial through values at the nodes. By way of Legendre's series, whose terms fall so fast that powers lose
-    /// no digits.
+    /// The polynomial through values at the nodes, by its Legendre series, whose terms fall so fast that the powers lose no digits.
     #[inline(always)]
     pub fn through(values: &[R; NODES], rule: &GaussRule) -> Self {
-        // Inner loops are sums: any other the compiler would vectorise by gathering numbers from all lanes.
+        // Inner loops are sums: the compiler would vectorise other loops by gathering numbers from all lanes.
         let [mut terms, mut powers] = [[R::ZERO; NODES]; 2];
         let values = Mirrored::new(values);
         for order in 0..black_box(NODES) {
@@ -145,13 +144,13 @@ impl<R: Real> Panel<R> {
         Self(powers)
     }
 
-    /// Its value at a share of the interval.
+    /// Value at a place of the interval, from 0 to 1.
     #[inline(always)]
     pub fn at(&self, share: R) -> R {
         in_powers(&self.0, share * 2.0 - 1.0)
     }
 
-    /// Its value there, and the slope over the share.
+    /// Value there, and its derivative by the place from 0 to 1.
     #[inline(always)]
     pub fn with_slope(&self, share: R) -> [R; 2] {
         let (place, mut value, mut slope) = (share * 2.0 - 1.0, self.0[NODES - 1], R::ZERO);

@@ -1,22 +1,22 @@
-//! The polynomial of degree 7 over a step of length 1 that has given Taylor coefficients, up to the third power, at both
-//! ends: Hermite's, by divided differences (E. Isaacson and H. B. Keller, Analysis of Numerical Methods, 1966, 6.3).
+//! The Hermite polynomial of degree 7 over a step of length 1, from the Taylor coefficients up to the third power at both ends, by
+//! divided differences (E. Isaacson and H. B. Keller, Analysis of Numerical Methods, 1966, 6.3).
 
 use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// The polynomial in Newton's form, with 0 and 1 four times each as its places.
+/// The polynomial in Newton's form, with the places 0 and 1 four times each.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite([Lanes; 8]);
 
 impl Hermite {
-    /// From the coefficients at the start, and at the end, both in powers of the distance from there.
+    /// The polynomial from the Taylor coefficients at the start and at the end.
     #[inline(always)]
     pub fn new([a0, a1, a2, a3]: [Lanes; 4], [b0, b1, b2, b3]: [Lanes; 4]) -> Self {
         let rise = b0 - a0;
-        // Divided differences of order two to seven: of as many zeros as possible first.
-        // They pass through memory: else the compiler computes lanes one by one.
+        // Divided differences of order two to seven: those with the most zeros first.
+        // They pass through memory: otherwise the compiler computes lanes one by one.
         let [c, d] = black_box([rise - a1, b1 - rise]);
         let [c, d, e] = black_box([c - a2, d - c, b2 - d]);
         let [c, d, e, f] = black_box([c - a3, d - c, e - d, b3 - e]);
@@ -27,7 +27,7 @@ impl Hermite {
         Self([a0, a1, a2, a3, fourth, fifth, c, d - c])
     }
 
-    /// Its slope at a place from 0 to 1.
+    /// Slope at a place from 0 to 1.
     #[inline(always)]
     pub fn slope(&self, x: Lanes) -> Lanes {
         let [_, c1, c2, c3, c4, c5, c6, c7] = self.0;

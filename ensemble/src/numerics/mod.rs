@@ -1,4 +1,4 @@
-//! Numerical methods in lanes that know nothing of chambers.
+//! General numerical methods in lanes.
 
 pub mod elimination;
 pub mod gauss;

@@ -1,27 +1,27 @@
-//! A root in each lane by Ridders' method, which straightens an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
+//! Root finding in lanes by Ridders' method, which linearises an exponential (IEEE Trans. Circuits Syst. 26 (1979) 979).
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Rounds at most: where the curve is an exponential, five give all digits.
+/// Largest number of rounds: five give all digits for an exponential curve.
 const ROUNDS: usize = 6;
-/// Share of a curve's fall between the ends at which its value counts as nothing.
+/// A value below this fraction of the curve's fall between the ends counts as zero.
 const NOTHING: f64 = 1e-13;
 
-/// A function of one variable: a time, s, or a share of a step.
+/// A function of one variable: a time, s, or a place in a step from 0 to 1.
 pub trait Curve {
     /// Value of the function at `place`, by lane.
     fn at(&self, place: Lanes) -> Lanes;
 
-    /// A measure of its rise around `place`, positive where it rises: over a short way to both sides, or its slope.
+    /// A measure of its rise at `place`: the difference over `beside` to both sides, or the slope.
     #[inline(always)]
     fn rise(&self, place: Lanes, beside: Lanes) -> Lanes {
         self.at(place + beside) - self.at(place - beside)
     }
 }
 
-/// How far a curve is from a value, beyond a band around it.
+/// Distance of a curve from a value, less a band around that.
 pub struct Beyond<'a, C> {
     pub curve: &'a C,
     pub value: Lanes,
@@ -35,34 +35,33 @@ impl<C: Curve> Curve for Beyond<'_, C> {
     }
 }
 
-/// A root between `low`, where the curve is positive, and `high`, where it is not.
+/// A root between `low`, where the curve is positive, and `high`, where it is not positive.
 #[inline(always)]
 pub fn root(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
     search::<false>(curve, low, high, None)
 }
 
-/// The same where the curve's values at both places are known.
+/// The same with known values of the curve at both places.
 #[inline(always)]
 pub fn root_between(curve: &impl Curve, [low, high]: [Lanes; 2], values: [Lanes; 2]) -> Lanes {
     search::<false>(curve, low, high, Some(values))
 }
 
-/// A root between places where the curve has either sign.
+/// A root between places where the curve has opposite signs.
 #[inline(always)]
 pub fn crossing(curve: &impl Curve, low: Lanes, high: Lanes) -> Lanes {
     search::<true>(curve, low, high, None)
 }
 
-/// A root between places from the first to the second of which the curve falls, or where `EITHER` falls or rises. All its values come
-/// from one place in the code, which so has one copy of the curve: first those at both ends, then in each round that in the middle
-/// and that at the root of the straightened curve.
+/// A root between `low` and `high`, where the curve falls or, if `EITHER`, falls or rises. The code contains one copy of the curve: a
+/// single loop evaluates it first at both ends, then in each round in the middle and at the root of the linearised curve.
 #[inline(always)]
 fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lanes, known: Option<[Lanes; 2]>) -> Lanes {
     let [mut at_low, mut at_high, mut nothing, mut middle, mut at_middle] = [Lanes::ZERO; 5];
-    // 1 where the curve falls from `low` to `high`, −1 where it rises.
+    // 1 if the curve falls from `low` to `high`, −1 if it rises.
     let mut side = Lanes::ONE;
     let (mut place, mut x) = (low, low);
-    // Positive where the root is not found yet: a lane's digits do not depend on how long the others take.
+    // Positive until the root is found: a lane's result must not depend on how long others take.
     let mut open = Lanes::ONE;
     let mut begin = 0;
     if let Some(known) = known {
@@ -85,7 +84,7 @@ fn search<const EITHER: bool>(curve: &impl Curve, mut low: Lanes, mut high: Lane
         }
         if evaluation % 2 == 0 {
             at_middle = value;
-            // Where rounding leaves both ends on one side, no place beyond them is looked at.
+            // Stays between the ends even if rounding gives them the same sign.
             let apart = (-(at_low * at_high)).max(Lanes::ZERO);
             let straight = (at_middle * at_middle + apart + f64::MIN_POSITIVE).sqrt();
             x = open.where_positive(middle + (middle - low) * at_middle / straight, x);

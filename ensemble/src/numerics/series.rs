@@ -1,25 +1,24 @@
-//! Taylor series cut off after K coefficients, as the numbers of an equation: what it makes of the series of its states are the
-//! series of their rates, and these lead to one coefficient more of the states (R. E. Moore, Methods and Applications of
-//! Interval Analysis, 1979, 3.4).
+//! Taylor series truncated after K coefficients, as a number type: equations applied to the series of their states give the series of
+//! the rates, which yield one more coefficient of the states (R. E. Moore, Methods and Applications of Interval Analysis, 1979, 3.4).
 //!
-//! Where a law has branches, those that hold at another place are taken, whose plain number each series carries along: a step
-//! that begins or ends at a corner of the law lies on one side of it.
+//! Branches of a law are chosen by the value at another place, which each series carries along: a step that begins or ends at a corner
+//! of the law lies on one side of it.
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Coefficients of the powers from 0 to K − 1, by lane, and the value at the place that branches are chosen by.
+/// Coefficients of the powers from 0 to K − 1, by lane, and the value that chooses branches.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<const K: usize> {
-    /// In rising powers.
+    /// In ascending powers.
     pub coefficients: [Lanes; K],
-    /// Where branches are chosen.
+    /// Value at the place where branches are chosen.
     pub side: Lanes,
 }
 
 impl<const K: usize> From<Lanes> for Series<K> {
-    /// The same everywhere.
+    /// A constant.
     #[inline(always)]
     fn from(value: Lanes) -> Self {
         let mut coefficients = [Lanes::ZERO; K];
@@ -36,7 +35,7 @@ impl<const K: usize> From<f64> for Series<K> {
 }
 
 impl<const K: usize> Series<K> {
-    /// Σ a_j b_(k−j) over j from `first` on, up to where k − j is that, too.
+    /// Σ a_j b_(k−j) over j from `first` to `last`.
     #[inline(always)]
     fn product(a: &[Lanes; K], b: &[Lanes; K], k: usize, first: usize, last: usize) -> Lanes {
         let mut sum = Lanes::ZERO;
@@ -48,8 +47,7 @@ impl<const K: usize> Series<K> {
         sum
     }
 
-    /// Each coefficient, from the second on, by the recursion of a function's derivative: (Σ j a_j b_(k−j))/k over j from 1 to
-    /// `last(k)`.
+    /// (Σ j a_j b_(k−j))/k over j from 1 to `last`: the recursion for functions defined by their derivative.
     #[inline(always)]
     fn moment(a: &[Lanes; K], b: &[Lanes; K], k: usize, last: usize) -> Lanes {
         let mut sum = Lanes::ZERO;

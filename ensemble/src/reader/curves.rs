@@ -1,17 +1,17 @@
-//! The records of pieces as curves, one a lane: of sensors that follow at once, and of those that lag.
+//! The records along pieces as curves, one per lane: of instantaneous sensors and of lagging ones.
 
 use super::interpolant::{Interpolant, Stencils};
-use super::{Job, PRESSURE, Trace, Traces};
-use crate::filter::{Lagged, TERMS, ToPowers, kept};
+use super::traces::{Job, LaggedPiece, PRESSURE, Trace, Traces};
+use crate::filter::{Lagged, ToPowers, kept};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question, Reading};
 use crate::numerics::root::Curve;
+use crate::query::{Query, Question, Reading};
 use crate::regression::samples::POINTS;
 use chamber::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 
 impl Traces<'_> {
-    /// Readings of the sensors that lag, from piece to piece.
+    /// Computes the readings of lagging sensors, piece by piece.
     pub(super) fn follow_lags(&mut self, arch: Arch) {
         if self.rows.iter().all(|row| row.sensor.lag == 0.0) {
             return;
@@ -38,11 +38,11 @@ impl Traces<'_> {
             }
         }
         for row in 0..self.rows.len() {
-            let Trace { plan, sensor, before, .. } = self.rows[row];
+            let Trace { scenario, plan, sensor, .. } = self.rows[row];
             if sensor.lag == 0.0 {
                 continue;
             }
-            let mut reading = before;
+            let mut reading = scenario.initial_pressure_pa;
             for index in self.pieces_of(row) {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
                 let elapsed = plan.stretches[segment.stretch as usize].elapsed;
@@ -61,16 +61,7 @@ impl Traces<'_> {
         self.memory.lags = lags;
     }
 
-    /// A quantity in one interval a lane: segments and knots.
-    pub(super) fn stencils(&self, quantity: usize, interval: impl Fn(usize) -> (u32, u32)) -> Stencils {
-        Stencils::new(quantity, |lane| {
-            let (segment, knot) = interval(lane);
-            let knots = self.memory.segments[segment as usize].knots.clone();
-            (&self.of_segment(segment).1.clock, &self.memory.knots[knots], knot as usize)
-        })
-    }
-
-    /// Answers jobs about records, as many at once as there are lanes: those of sensors that lag apart.
+    /// Answers the jobs, one per lane; those of lagging sensors separately.
     pub(super) fn work(&mut self, arch: Arch, question: fn([Lanes; POINTS]) -> Question) {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
         let lags = |job: &Job| self.of_segment(self.memory.pieces[job.piece].segment).0.sensor.lag > 0.0;
@@ -98,10 +89,10 @@ impl Traces<'_> {
                     let lagged = Lagged { pressure, begin, stiffness };
                     let from = Lanes::from_fn(|lane| lag(lane).from);
                     let reading = Lagging { lagged, from, per_length: length.recip(), gain, offset, drift };
-                    Look { reading, times, question }.answer(arch)
+                    Query { reading, times, question }.answer(arch)
                 } else {
                     let inside = self.stencils(PRESSURE, |lane| (piece(lane).segment, piece(lane).knot));
-                    Look { reading: Prompt { inside, gain, offset, drift }, times, question }.answer(arch)
+                    Query { reading: Prompt { inside, gain, offset, drift }, times, question }.answer(arch)
                 };
                 for (lane, &job) in group.iter().enumerate() {
                     jobs[job as usize].answer = answer.map(|answer| answer[lane]);
@@ -112,21 +103,7 @@ impl Traces<'_> {
     }
 }
 
-/// What a piece does to the reading of a sensor that lags: it leaves it as `kept` of what it was, and `fed` Pa beside.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LaggedPiece<R> {
-    /// Coefficients of the gas's pressure, Pa, in powers of the share of the piece.
-    pressure: [R; TERMS],
-    /// Its start and its length, s.
-    from: R,
-    length: R,
-    kept: R,
-    fed: R,
-    /// The reading at its start, Pa, as far as that is known.
-    begin: R,
-}
-
-/// Works out the [`LaggedPiece`] of each lane.
+/// Computes the [`LaggedPiece`] of each lane.
 struct Follow<'a> {
     inside: Stencils,
     to_powers: &'a ToPowers,
@@ -148,12 +125,12 @@ impl WithSimd for Follow<'_> {
     }
 }
 
-/// A record that follows the gas at once; `I` are stencils, then interpolants.
+/// The record of an instantaneous sensor; `I` is stencils at first, then interpolants.
 pub(super) struct Prompt<I> {
     pub(super) inside: I,
-    /// How much it rises with the pressure.
+    /// Its derivative by the pressure.
     pub(super) gain: Lanes,
-    /// What it shows beside at the segment's start, Pa, and its rate, Pa/s.
+    /// Offset at the segment's start, Pa, and drift, Pa/s.
     pub(super) offset: Lanes,
     pub(super) drift: Lanes,
 }
@@ -183,15 +160,6 @@ struct Lagging {
     gain: Lanes,
     offset: Lanes,
     drift: Lanes,
-}
-
-impl Reading for Lagging {
-    type Curve = Self;
-
-    #[inline(always)]
-    fn curve(self) -> Self {
-        self
-    }
 }
 
 impl Curve for Lagging {

@@ -1,39 +1,50 @@
-//! Pressure or temperature between two knots of a trace: its reciprocal is the polynomial of degree 11 that has the values
-//! and the slopes of the interval's two knots and of four neighbours, in Newton's form (E. Isaacson and H. B. Keller,
-//! Analysis of Numerical Methods, 1966, 6.3). Where a segment has fewer knots the degree is lower. So it is where the terms
-//! that a neighbour adds no longer shrink: between the two there is a corner, which a higher degree would only spread.
+//! Pressure or temperature between two knots of a trace: its reciprocal is the polynomial of degree 11 through the values and slopes
+//! at the interval's two knots and at four neighbours, in Newton's form (E. Isaacson and H. B. Keller, Analysis of Numerical Methods,
+//! 1966, 6.3). The degree is lower if a segment has fewer knots, or where the terms added by a neighbour stop shrinking: then there is
+//! a corner in between, whose error a higher degree would only spread.
 //!
-//! The reciprocals, for in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is
-//! held has no poles, P has.
+//! Reciprocals, because in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is held has no
+//! poles, whereas P has.
 
-use super::Knot;
 use crate::integrator::clock::Clock;
+use crate::integrator::step::View;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::Curve;
 use chamber::real::{Real, reciprocals};
 
-/// Knots that an interval is interpolated by, and the number of the polynomial's terms.
+/// Number of knots used per interval, and of the polynomial's terms.
 const KNOTS: usize = 6;
 const TERMS: usize = 2 * KNOTS;
-/// Knots nearer to each other than this share of the interval add rounding rather than knowledge.
+/// Smallest distance between knots, relative to the interval: nearer ones add rounding errors rather than information.
 const NEAREST: f64 = 0.3;
-/// A neighbour's terms count where they are, in the middle of the interval, below this share of those of the one before.
+/// A neighbour is used if its terms, at the middle of the interval, are below this fraction of those of the previous one.
 const SHRINK: f64 = 0.5;
 
-/// The knots that a quantity is interpolated by, in one interval a lane: of its start and end, then of its neighbours.
+/// A point of a trace.
+#[derive(Clone, Copy, Debug)]
+pub struct Knot {
+    /// Integrator time from the segment's start.
+    pub at: f64,
+    /// Pressure, Pa, and temperature, K, of the gas, and their slopes in integrator time.
+    pub view: View<f64>,
+    /// Whether the rates have a kink there.
+    pub kink: bool,
+}
+
+/// The knots used to interpolate a quantity, for one interval per lane: start and end of the interval, then neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencils {
     clock: Clock<Lanes>,
-    /// Moments in the integrator's time, and there the quantity and its slope.
+    /// Integrator times, and the quantity and its slope there.
     at: [Lanes; KNOTS],
     value: [Lanes; KNOTS],
     slope: [Lanes; KNOTS],
-    /// How many of these moments there are.
+    /// Number of knots in use.
     count: Lanes,
 }
 
 impl Stencils {
-    /// For a quantity between a knot and the next of each lane's segment, of which there are clock and knots.
+    /// For a quantity between a knot and the next; `of` returns clock, knots and the knot's index for each lane's segment.
     pub fn new<'a>(quantity: usize, mut of: impl FnMut(usize) -> (&'a Clock, &'a [Knot], usize)) -> Self {
         let zero = [Lanes::ZERO; KNOTS];
         let mut all = Self { clock: Clock::default(), at: zero, value: zero, slope: zero, count: Lanes::ZERO };
@@ -44,7 +55,7 @@ impl Stencils {
             all.clock.load(lane, clock);
             for k in 0..KNOTS {
                 let Knot { at, view, .. } = &knots[picked[k]];
-                // Places that stand for no knot must not fall on others.
+                // Unused places must not coincide with others.
                 all.at[k][lane] = if k < count { *at } else { *at + length * (k + 1) as f64 };
                 all.value[k][lane] = view.value[quantity];
                 all.slope[k][lane] = view.slope[quantity];
@@ -55,17 +66,17 @@ impl Stencils {
     }
 }
 
-/// The knots by which the interval from knot `index` to the next is interpolated, and how many these are.
+/// Selects the knots for the interval from knot `index` to the next; returns their indices and number.
 fn pick(knots: &[Knot], index: usize) -> ([usize; KNOTS], usize) {
     let near = (knots[index + 1].at - knots[index].at) * NEAREST;
     let mut picked = [index; KNOTS];
     picked[1] = index + 1;
     let mut count = 2;
-    // One from each side in turn, as far as there are any.
+    // Alternately from each side, while there are any.
     let mut sides = [index, index + 1];
     let next_before = |from: usize| (0..from).rev().find(|&i| knots[from].at - knots[i].at > near);
     let next_after = |from: usize| (from + 1..knots.len()).find(|&i| knots[i].at - knots[from].at > near);
-    // Those beyond a kink after all others.
+    // Those beyond a kink last.
     for beyond_kinks in [false, true] {
         while count < KNOTS {
             let had = count;
@@ -88,19 +99,19 @@ fn pick(knots: &[Knot], index: usize) -> ([usize; KNOTS], usize) {
     (picked, count)
 }
 
-/// A quantity between two knots, of as many rows as there are lanes, over the time from the segment's start, s.
+/// A quantity between two knots, one per lane, as a function of the time from the segment's start, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolant {
     clock: Clock<Lanes>,
     begin: Lanes,
     per_length: Lanes,
-    /// Places of the knots, the interval being from 0 to 1.
+    /// Places of the knots; the interval reaches from 0 to 1.
     places: [Lanes; KNOTS],
     terms: [Lanes; TERMS],
 }
 
 impl Interpolant {
-    /// The polynomial through values and slopes at the stencils' knots.
+    /// The polynomial through the values and slopes of the stencils.
     #[inline(always)]
     pub fn new(stencils: &Stencils) -> Self {
         let Stencils { clock, at, count, .. } = stencils;
@@ -115,11 +126,11 @@ impl Interpolant {
         for k in 1..KNOTS {
             places[k] = (at[k] - at[0]) * per_length;
         }
-        // Divided differences with each place twice, order by order.
+        // Divided differences with each place taken twice, order by order.
         let mut table = [Lanes::ZERO; TERMS];
         let mut terms = [Lanes::ZERO; TERMS];
         terms[0] = value[0];
-        // One division a knot. Where a place that stands for no knot falls on another, only its own distances are no numbers.
+        // One division per knot. If an unused place coincides with another, only its own distances are NaN.
         let mut per_distance = [[Lanes::ONE; KNOTS]; KNOTS];
         for k in 1..KNOTS {
             for i in 0..k {
@@ -140,7 +151,7 @@ impl Interpolant {
             }
             terms[order] = (*count - (order / 2) as f64).where_positive(table[0], Lanes::ZERO);
         }
-        // What each knot adds in the middle.
+        // The contribution of each knot at the middle.
         let (mut product, mut before) = (Lanes::from(0.25), Lanes::ZERO);
         let mut counts = Lanes::ONE;
         for k in 1..KNOTS {
@@ -159,7 +170,7 @@ impl Interpolant {
 }
 
 impl Curve for Interpolant {
-    /// Its value at a time from the segment's start, s.
+    /// Value at a time from the segment's start, s.
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
         let x = (self.clock.shown(time) - self.begin) * self.per_length;
@@ -174,7 +185,6 @@ impl Curve for Interpolant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::step::View;
 
     #[test]
     fn neighbours_beyond_a_kink_come_after_the_others_and_count_only_if_their_terms_shrink() {

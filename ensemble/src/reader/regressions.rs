@@ -1,20 +1,21 @@
-//! Step 1 of the paper on the samples of traced records.
+//! The paper's step 1 on the samples of traced records.
 
-use super::{Cut, Job, Memory, RowAnswer, Trace, Traces};
+use super::answers::RowAnswer;
+use super::traces::{Cut, Job, Memory, Trace, Traces};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::Question;
+use crate::query::Question;
 use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ, Samples};
 use crate::regression::{Guess, RecordPart, Regression};
 use pulp::Arch;
 
 impl Traces<'_> {
-    /// The first sample of each record that counts: the larger of those beside the peak.
+    /// Number of the first sample of each record: the larger of those beside the peak.
     fn first_samples(&mut self, arch: Arch, answers: &[Option<RowAnswer>]) -> Vec<Option<f64>> {
         let mut jobs = core::mem::take(&mut self.memory.jobs);
         jobs.clear();
         let mut firsts: Vec<Option<f64>> = Vec::with_capacity(answers.len());
         for (row, answer) in answers.iter().enumerate() {
-            let push_end = samples::from(self.rows[row].plan.push_end);
+            let push_end = samples::from(self.rows[row].scenario.push_time_s);
             let after = answer.map(|answer| samples::from(answer.peak_time).max(push_end));
             firsts.push(after);
             let Some(after) = after.filter(|after| *after > push_end) else { continue };
@@ -45,14 +46,14 @@ impl Traces<'_> {
         firsts
     }
 
-    /// Samples up to and at the start of the pieces: before it a late record shows the gas before the test.
+    /// Collects the samples up to the start of the pieces, where a delayed record shows the gas before the test.
     fn samples_before(&self, row: usize, mut first: f64, to: &mut Vec<RecordPart>) {
         to.clear();
         let Cut { all, begin: at_begin, .. } = &self.memory.cut[row];
         let Some(piece) = self.memory.pieces[all.clone()].first() else { return };
         let begin = self.record_time(piece.segment, piece.times[0]);
         let Trace { sensor, bends, .. } = &self.rows[row];
-        // So few samples are their own nodes, whatever the curve.
+        // Parts of so few samples are their own nodes, whatever the curve.
         let most = if bends.is_none() { f64::INFINITY } else { POINTS as f64 };
         while samples::after(begin) > first {
             let samples = Samples { first, count: (samples::after(begin) - first).min(most) };
@@ -63,7 +64,7 @@ impl Traces<'_> {
         }
     }
 
-    /// Step 1 of the paper on the samples of each record from its peak on, from guesses of τ.
+    /// The paper's step 1 on the samples of each record from its peak on, given guesses of τ, s.
     pub fn regressions(
         &mut self,
         arch: Arch,
@@ -72,14 +73,14 @@ impl Traces<'_> {
     ) -> Vec<Option<Regression>> {
         let firsts = self.first_samples(arch, answers);
         self.memory.jobs.clear();
-        // Per job: the samples its piece holds.
+        // Per job: the samples in its piece.
         let mut held: Vec<Samples> = Vec::new();
         let mut befores: Vec<Vec<RecordPart>> = vec![Vec::new(); answers.len()];
         for row in 0..answers.len() {
             let Some(first) = firsts[row] else { continue };
             self.samples_before(row, first, &mut befores[row]);
             let mut first = first + befores[row].iter().map(|part| part.samples.count).sum::<f64>();
-            let end = samples::after(self.rows[row].plan.duration);
+            let end = samples::after(self.rows[row].scenario.duration_s);
             for index in self.pieces_of(row) {
                 let piece = &self.memory.pieces[index];
                 let elapsed = self.record_time(piece.segment, 0.0);

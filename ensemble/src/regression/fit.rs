@@ -1,4 +1,4 @@
-//! The paper's steps 2 to 7 on the pressures and the time constant that step 1 has found.
+//! The paper's steps 2 to 7 on the result of step 1.
 
 use crate::outcome::Fit;
 use crate::regression::Regression;
@@ -6,10 +6,9 @@ use crate::scenario::Scenario;
 use chamber::seven_steps::{self, Push, Setup};
 use chamber::{AreaLaw, Geometry};
 
-/// Steps 2 to 7 on the result of step 1, as published: Aq by (27) with all the gas's volume. None where pressures and
-/// strokes contradict each other.
+/// Steps 2 to 7 as published: Aq by (27) with the whole gas volume. None if pressures and strokes contradict each other.
 pub fn steps(scenario: &Scenario, regression: Regression) -> Option<Fit> {
-    let Regression { final_pressure, rise, time_constant, misfit } = regression;
+    let Regression { exponential, misfit } = regression;
     let chamber = &scenario.chamber;
     let setup = Setup {
         gas: chamber.gas,
@@ -20,17 +19,12 @@ pub fn steps(scenario: &Scenario, regression: Regression) -> Option<Fit> {
     };
     let &Scenario { initial_pressure_pa, initial_position_m, final_position_m, .. } = scenario;
     let push = Push { initial_pressure_pa, initial_position_m, final_position_m };
-    let found = seven_steps::Regression {
-        final_pressure_pa: final_pressure,
-        pressure_rise_pa: rise,
-        time_constant_s: time_constant,
-    };
-    let steps = seven_steps::steps(&setup, setup.ambient_temperature_k, &push, &found);
+    let steps = seven_steps::steps(&setup, setup.ambient_temperature_k, &push, &exponential);
     let (lambda_av, lambda0) = (steps.coefficient_av_w_per_m2_k, steps.coefficient_0_w_per_m2_k);
     (steps.mass_kg > 0.0 && steps.final_volume_m3 > 0.0 && lambda0.is_finite()).then_some(Fit {
-        final_pressure_pa: final_pressure,
-        pressure_rise_pa: rise,
-        time_constant_s: time_constant,
+        final_pressure_pa: exponential.final_pressure_pa,
+        pressure_rise_pa: exponential.pressure_rise_pa,
+        time_constant_s: exponential.time_constant_s,
         lambda_av_w_per_m2_k: lambda_av,
         lambda0_w_per_m2_k: lambda0,
         misfit,

@@ -1,21 +1,21 @@
-//! Sums over samples in a row by four nodes, as a Gauss rule does for integrals.
+//! Sums over consecutive samples by four nodes, the analogue of a Gauss rule for integrals.
 //!
-//! For N samples at distance 1, the middle at 0, the polynomials orthogonal with respect to their sum are those of Gram
+//! For N samples at distance 1, centred at 0, the polynomials orthogonal with respect to their sum are those of Gram
 //! (discrete Chebyshev), p(k+1) = x p(k) − b(k) p(k−1) with b(k) = k² (N² − k²)/(4 (4k² − 1)); the zeros of
 //! p4 = x⁴ − (b1 + b2 + b3) x² + b1 b3 are the nodes of the rule that sums polynomials up to degree 7 exactly
-//! (W. Gautschi, Orthogonal Polynomials: Computation and Approximation, Oxford 2004, sections 1.4 and 1.5). The same
-//! formula gives for N up to 4 the samples themselves, so nothing is special about short stretches.
+//! (W. Gautschi, Orthogonal Polynomials: Computation and Approximation, Oxford 2004, sections 1.4 and 1.5). For N up to 4
+//! the same formula gives the samples themselves, so that short parts need no special case.
 
 use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Rate of the record that the regression is meant for, Hz.
+/// Sample rate of the record for the regression, Hz.
 pub const SAMPLE_RATE_HZ: f64 = 100.0;
-/// Nodes of the rule that stands for a sum over samples.
+/// Number of nodes of the rule.
 pub const POINTS: usize = 4;
-/// Share of a sample interval within which a time counts as that of the sample.
+/// A time within this fraction of a sample interval counts as that of the sample.
 const SAME: f64 = 1e-9;
 
 /// Number of the first sample after a time, s.
@@ -33,18 +33,18 @@ pub fn from(time: f64) -> f64 {
 /// Consecutive samples of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<R = f64> {
-    /// Number of the first sample, counted from the record's start.
+    /// Index of the first sample, counted from the record's start.
     pub first: R,
-    /// Number of samples, a whole number.
+    /// Number of samples, an integer.
     pub count: R,
 }
 
 /// Nodes of a sum.
 #[derive(Clone, Copy, Debug)]
 pub struct Nodes<R = f64> {
-    /// Numbers, not whole ones, of the samples at which to take values.
+    /// Positions of the nodes as (fractional) sample indices.
     pub numbers: [R; POINTS],
-    /// How many samples each stands for.
+    /// Number of samples each node represents.
     pub weights: [R; POINTS],
 }
 
@@ -58,7 +58,7 @@ impl<R: Real> Samples<R> {
         let b3 = (squared - 9.0) * (9.0 / 140.0);
         let half = (b1 + b2 + b3) * 0.5;
         let root = (half * half - b1 * b3).sqrt();
-        // Squares of the distances from the middle; below zero, for fewer than three samples, without weight.
+        // Squared distances from the centre; negative, for fewer than three samples, only without weight.
         let [outer, inner] = [half + root, half - root];
         let outer_weight = self.count * (b1 - inner) / (root * 4.0);
         let inner_weight = self.count * 0.5 - outer_weight;
@@ -72,10 +72,10 @@ impl<R: Real> Samples<R> {
 }
 
 impl Nodes<Lanes> {
-    /// Values there, times a factor, of a curve over the shares of a part of the record: from a time `begin` on, s, that long.
+    /// Values at the nodes, times a factor, of a curve over the place from 0 to 1 in the part of the record from `begin`, s, on.
     #[inline(always)]
     pub fn values(&self, curve: &impl Curve, begin: Lanes, length: Lanes, factor: Lanes) -> [Lanes; POINTS] {
-        // Results pass through memory: else the compiler computes them lane by lane.
+        // Passes through memory: otherwise the compiler computes lane by lane.
         let per_length = black_box(length.where_positive(length, Lanes::ONE).recip());
         let mut values = [Lanes::ZERO; POINTS];
         for k in 0..POINTS {

@@ -1,12 +1,12 @@
-//! A guess of the time constant that the paper's step 1 finds: the τ of the least squares themselves for a sealed relaxation,
-//! P = Pf/(1 − ε e^(−k t)), sampled without end to its frequency. k τ then depends on ε at the first sample and on the record's
-//! length in relaxations alone. A polynomial in ρ = −ln(1 − ε) = ln(P/Pf) and v = 3/(3 + length) is within 0.2 % of it for ρ from
-//! −0.4 to 1.1 (a push to a ninth of the volume) and 0.3 relaxations or more.
+//! A guess of the time constant of the paper's step 1: the least-squares τ of a sealed relaxation, P = Pf/(1 − ε e^(−k t)), sampled at
+//! infinite frequency. Then k τ depends only on ε at the first sample and on the record's length in relaxations. A polynomial in
+//! ρ = −ln(1 − ε) = ln(P/Pf) and v = 3/(3 + length) approximates it within 0.2 % for ρ from −0.4 to 1.1 (a push to a ninth of the
+//! volume) and 0.3 relaxations or more.
 
 use crate::lanes::Lanes;
 use chamber::real::Real;
 
-/// ln(k τ): a row for each power of (ρ − 0.35)/0.75, in it the coefficients of the powers of 2 v − 1.
+/// Coefficients of ln(k τ): one row for each power of (ρ − 0.35)/0.75, with the coefficients of the powers of 2 v − 1.
 const LOG_TIME_CONSTANT: [[f64; 7]; 6] = [
     [-0.2448, -0.2259, -0.1696, 0.0243, 0.0321, -0.0216, -0.0015],
     [-0.4983, -0.3678, -0.2989, 0.0061, 0.0618, -0.0423, -0.0274],
@@ -15,11 +15,11 @@ const LOG_TIME_CONSTANT: [[f64; 7]; 6] = [
     [0.0057, 0.0265, 0.0428, 0.0399, 0.0294, -0.0015, -0.0137],
     [0.0001, -0.007, -0.0448, -0.0482, 0.0185, 0.0048, -0.0257],
 ];
-/// Shortest record that the polynomial is for, in relaxations.
+/// Shortest record that the polynomial is valid for, in relaxations.
 const SHORTEST: f64 = 0.3;
 
-/// ln τ of the exponential that least squares find near to a sealed relaxation over `length`, s, whose ε = 1 − Pf/P decays with
-/// the rate k, 1/s, from `excess` on.
+/// Returns ln τ of the exponential fitted to a sealed relaxation over `length`, s, whose ε = 1 − Pf/P decays from `excess` at the rate
+/// k, 1/s.
 #[inline(always)]
 pub fn logarithm_of_guess(rate: Lanes, excess: Lanes, length: Lanes) -> Lanes {
     let relaxations = (length * rate).max(Lanes::from(SHORTEST));
@@ -38,10 +38,19 @@ pub fn logarithm_of_guess(rate: Lanes, excess: Lanes, length: Lanes) -> Lanes {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
-    use crate::regression::tests::least;
     use proptest::prelude::*;
+
+    /// Where a function between two places is least, by golden section.
+    pub fn least(of: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
+            if of(c) < of(d) { b = d } else { a = c }
+        }
+        0.5 * (a + b)
+    }
 
     /// ln τ of the least squares over 2000 points of a relaxation with k = 1.
     fn best(excess: f64, length: f64) -> f64 {

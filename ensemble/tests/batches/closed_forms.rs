@@ -1,4 +1,4 @@
-//! Effects that keep a closed form, or whose hold is an integral: against the integrator and against exact solutions.
+//! Effects that keep the closed form, or whose hold is an integral: against the integrator and against exact solutions.
 
 use crate::common::{assert_close, assert_same, convective, kept, relaxing, remembering, results, sealed};
 use chamber::effects;
@@ -29,7 +29,7 @@ fn natural_convection_alone_agrees_with_the_general_equations() {
     };
     let integrated = with(&general, Solver::Adaptive);
     for solver in [Solver::Auto, Solver::Adaptive] {
-        // A step across the wall's temperature is blind to the corner there, each way to solve the row in its own manner.
+        // A step across the wall's temperature does not see the corner there, and each method is affected differently.
         assert_holds_agree(&rows, with(&rows, solver), integrated.clone(), 3e-8);
     }
 }
@@ -44,17 +44,17 @@ fn assert_holds_agree(rows: &[Scenario], all: Vec<Outcome>, integrated: Vec<Outc
         }
         let hold = integrated.duration_s - rows[k].push_time_s;
         if [ours.fit, integrated.fit].into_iter().flatten().any(|fit| fit.time_constant_s > 5.0 * hold) {
-            // So little of an exponential has a τ to a few digits only, or none.
+            // So short a part of an exponential determines τ to a few digits only, or not at all.
             (ours.fit, integrated.fit) = (None, None);
         }
         if (integrated.pressure_peak_pa / integrated.pressure_final_pa - 1.0).abs() < 1e-9 {
-            // At rest when the push ends: what is left is rounding.
+            // At rest when the push ends: only rounding is left.
             (ours.fit, integrated.fit) = (None, None);
             (ours.settling_time_s, integrated.settling_time_s) = (None, None);
         }
         assert_same(&ours, &integrated, tolerance, &format!("row {k}"));
     }
-    // At this tolerance rounding keeps the integrator from a gas that steep laws bring to rest.
+    // At this tolerance rounding stops the integrator where steep laws bring the gas to rest.
     assert!(given_up < 10, "{given_up}");
 }
 
@@ -70,7 +70,7 @@ fn holds_before_a_wall_that_remembers_agree_with_the_integrator() {
             let mut integrated = *integrated;
             let hold = integrated.duration_s - rows[k].push_time_s;
             if integrated.fit.is_some_and(|fit| fit.time_constant_s > 5.0 * hold) {
-                // So little of an exponential has a τ to a few digits only.
+                // So short a part of an exponential determines τ to a few digits only.
                 (ours.fit, integrated.fit) = (None, None);
             }
             assert_same(&ours, &integrated, error, &format!("row {k} {:?}", rows[k].chamber.effects.active()));

@@ -1,6 +1,7 @@
-//! What the tests of batches share: rows of every kind, what the kernel makes of them, and how two outcomes are compared.
+//! Shared by the tests of batches: rows of every kind, their solution by the kernel, and the comparison of outcomes.
 
 use crate::numbers::Numbers;
+use crate::plain;
 use chamber::card::ClosedForm;
 use chamber::effects::empirical::{Curve, Term, Variable};
 use chamber::effects::{
@@ -10,9 +11,9 @@ use chamber::effects::{
 };
 use chamber::exact::Closed;
 use chamber::{AreaLaw, Chamber, EffectSet, Gas, Geometry, HeatTransfer, effects, papers_chamber};
-use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario, plain};
+use ensemble::{Failure, InstructionSet, Kernel, Options, Outcome, Scenario};
 
-/// Random sealed tests: geometry, filling, stroke and coefficient over the range of industrial cylinders.
+/// Random sealed tests with geometry, filling, stroke and coefficient over the range of industrial cylinders.
 pub fn sealed(count: usize) -> Vec<Scenario> {
     let mut r = Numbers(7);
     let one = |_| {
@@ -29,7 +30,7 @@ pub fn sealed(count: usize) -> Vec<Scenario> {
     (0..count).map(one).collect()
 }
 
-/// Lets a test last until this many times τ_f = m cv/(λ(Pf, Tamb) Aq) after its push.
+/// Sets the duration of the hold to a multiple of τ_f = m cv/(λ(Pf, Tamb) Aq).
 pub fn hold_for(s: &mut Scenario, time_constants: f64) {
     let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
     let (pressure, temperature) = (s.initial_pressure_pa, s.initial_temperature_k);
@@ -37,21 +38,21 @@ pub fn hold_for(s: &mut Scenario, time_constants: f64) {
     s.duration_s = s.push_time_s + time_constants / closed.rate(end);
 }
 
-/// The same, each changed by its number and more random numbers.
+/// Sealed tests, each changed by means of its index and further random numbers.
 pub fn changed(count: usize, seed: u64, change: impl Fn(usize, &mut Scenario, &mut Numbers)) -> Vec<Scenario> {
     let (mut r, mut rows) = (Numbers(seed), sealed(count));
     rows.iter_mut().enumerate().for_each(|(k, s)| change(k, s, &mut r));
     rows
 }
 
-/// Sets the parameters of an effect around its card's: between the neutral and the typical ones, or beyond.
+/// Sets the parameters of an effect between their neutral and typical values, or beyond, by random fractions.
 fn spread(s: &mut Scenario, effect: usize, share: impl FnMut() -> f64) {
     let shares = std::iter::repeat_with(share);
     let parameters = s.chamber.effects.of_mut(effect).iter_mut().zip(effects::CARDS[effect].parameters);
     parameters.zip(shares).for_each(|((to, p), share)| *to = p.neutral + (p.typical - p.neutral) * share);
 }
 
-/// Sets the first parameters of effects that are there.
+/// Sets the first parameters of the effects that are present.
 pub fn set_first<const N: usize>(s: &mut Scenario, effects: [(usize, bool, f64); N]) {
     for (effect, is_there, value) in effects {
         if is_there {
@@ -60,13 +61,13 @@ pub fn set_first<const N: usize>(s: &mut Scenario, effects: [(usize, bool, f64);
     }
 }
 
-/// The test of section 3.1 with an effect of these numbers, over that duration, s.
+/// The test of section 3.1 with an effect's first parameters and a duration, s.
 pub fn section_31(effect: usize, numbers: &[f64], duration: f64) -> Scenario {
     let chamber = papers_chamber::section_31(AreaLaw::Total).with(effect, numbers);
     Scenario::push(chamber, 1e5, [0.1, 0.05], 0.04, duration)
 }
 
-/// Tests of every kind: leaks, flows, each effect; around the card's typical values.
+/// Tests of every kind: leaks, flows, each effect; around the typical values.
 pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
     changed(count, 11, |_, s, r| {
         for index in (0..effects::COUNT).filter(|index| only.is_none_or(|only| only == *index)) {
@@ -80,8 +81,8 @@ pub fn varied(count: usize, only: Option<usize>) -> Vec<Scenario> {
     })
 }
 
-/// Tight rows with some effects that have no states: of any strength that the cards allow for, from gases much colder or warmer
-/// than the wall, pushed or not, for a tenth of a relaxation or thousands.
+/// Tight rows with some effects without states, of any allowed strength, starting with gas much colder or warmer than the wall, pushed
+/// or not, and held for a tenth of a relaxation to thousands.
 pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
     let (natural, exponents) = (NaturalConvection::INDEX, PressureExponent::INDEX);
     let capacity = TemperatureDependentHeatCapacity::INDEX;
@@ -115,7 +116,7 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
     ([natural, exponents, capacity, forced, warm].into_iter().collect(), rows)
 }
 
-/// Rows with the effects that keep the closed form, of which every other one exchanges heat linearly in its volume.
+/// Rows with the effects that keep the closed form; in every other one the heat exchange is linear in the volume.
 pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
     let kept: EffectSet =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
@@ -130,7 +131,7 @@ pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
     (kept, rows)
 }
 
-/// A range around the pressures of the row of that number, Pa, and one to eight knots in it.
+/// A range around the pressures of the row of index `k`, Pa, and one to eight knots in it.
 fn knots_across(s: &Scenario, k: usize, r: &mut Numbers) -> ([f64; 2], Vec<f64>) {
     let volumes = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
     let end = s.initial_pressure_pa * volumes[0] / volumes[1];
@@ -140,8 +141,8 @@ fn knots_across(s: &Scenario, k: usize, r: &mut Numbers) -> ([f64; 2], Vec<f64>)
     ([low, high], knots)
 }
 
-/// Rows whose sensor shows a curve of its reading, of up to eight knots across the pressures of the test and steep enough to
-/// turn the record round, with other effects of the sensor before it.
+/// Rows whose sensor applies a curve to its reading, with up to eight knots across the pressures of the test and steep enough to make
+/// the record turn, and with other sensor effects.
 pub fn with_a_curve_of_the_reading(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 77, |k, s, r| {
         let ([low, high], knots) = knots_across(s, k, r);
@@ -178,7 +179,7 @@ pub fn with_instructions(
 }
 
 pub fn reference(set: EffectSet, scenario: &Scenario) -> Outcome {
-    plain::run(set, scenario, &Options { relative_tolerance: 1e-12, ..Options::default() })
+    plain::run(set, scenario, 1e-12)
 }
 
 pub fn assert_close(ours: f64, expected: f64, tolerance: f64, what: &str) {
@@ -231,7 +232,7 @@ pub fn assert_independent(
     assert_eq!(with_instructions(instructions, set, &rows[5..6], options)[0], straight[5], "{name}");
 }
 
-/// Tight rows in front of a wall that remembers, every other one also with effects that keep the closed form and behind sensors.
+/// Tight rows with a conducting wall, every other one also with effects that keep the closed form and with sensor effects.
 pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
     let (conduction, column, warm) = (WallConduction::INDEX, GasColumnLength::INDEX, WarmWall::INDEX);
     let (surface, lag, delay) = (DeadVolumeSurface::INDEX, SensorLag::INDEX, RecordDelay::INDEX);
@@ -253,7 +254,7 @@ pub fn remembering(count: usize) -> (EffectSet, Vec<Scenario>) {
     ([conduction, column, warm, surface, lag, delay].into_iter().collect(), rows)
 }
 
-/// Starts the row of that number, every third, from gas much colder or warmer than the wall; every 17th, too, which is not pushed.
+/// Lets every third and every 17th row start with gas much colder or warmer than the wall; every 17th is not pushed.
 fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
     if k.is_multiple_of(3) || k.is_multiple_of(17) {
         s.initial_temperature_k = r.between(200.0, 400.0);
@@ -263,8 +264,8 @@ fn start_anywhere(s: &mut Scenario, k: usize, r: &mut Numbers) {
     }
 }
 
-/// Tight rows in front of a wall that warms, of any capacity and cooling that make a difference, from gases much colder or
-/// warmer than the wall: a third of the holds turn round.
+/// Tight rows with a wall that warms, of any capacity and cooling that matter, starting with gas much colder or warmer than the wall: a
+/// third of the holds turn.
 pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 91, |k, s, r| {
         let values = s.chamber.effects.of_mut(WallHeating::INDEX);
@@ -279,7 +280,7 @@ pub fn walled(count: usize) -> (EffectSet, Vec<Scenario>) {
     (WallHeating::SET, rows)
 }
 
-/// Tight rows whose piston stirs the gas, little or much, for a time that is short or long beside the push and the hold, from gases
+/// Tight rows whose piston stirs the gas, weakly or strongly, for a time short or long compared with push and hold, starting with gas
 /// much colder or warmer than the wall, pushed or not.
 pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 53, |k, s, r| {
@@ -292,8 +293,8 @@ pub fn stirred(count: usize) -> (EffectSet, Vec<Scenario>) {
     (DecayingTurbulence::SET, rows)
 }
 
-/// Tight rows whose missing term is a heat flow over the pressure: of up to eight knots across the pressures of the test, as strong
-/// as the heat that the wall takes or far weaker, from gases much colder or warmer than the wall, pushed or not.
+/// Tight rows with an empirical heat flow as a function of pressure: with up to eight knots across the pressures of the test, as strong
+/// as the heat flow to the wall or much weaker, starting with gas much colder or warmer than the wall, pushed or not.
 pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 37, |k, s, r| {
         if k % 3 == 0 {
@@ -312,8 +313,8 @@ pub fn heated(count: usize) -> (EffectSet, Vec<Scenario>) {
     (Empirical::SET, rows)
 }
 
-/// Rows of which gas leaves or enters: through an orifice towards the surroundings or the supply, through a gap, or at constant
-/// rates; hardly or all of it, on either side of where the flow chokes or turns round, pushed or not.
+/// Rows in which gas leaves or enters: through an orifice to the surroundings or the supply, through a gap, or at constant rates; hardly
+/// any or all of it, on either side of where the flow chokes or reverses, pushed or not.
 pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
     let rows = changed(count, 67, |k, s, r| {
         let (conductance, critical) =
@@ -347,8 +348,8 @@ pub fn flowing(count: usize) -> (EffectSet, Vec<Scenario>) {
     (Leakage::SET.union(SupplyLeakage::SET).union(LaminarLeakage::SET), rows)
 }
 
-/// Rows of [`relaxing`] with natural convection only, some from next to the wall's temperature; and the same with a wall warmer by
-/// next to nothing, which the general equations solve.
+/// Rows of [`relaxing`] with natural convection only, some starting very near the wall's temperature; and the same with a wall that is
+/// warmer by a negligible amount, which the general equations solve.
 pub fn convective(count: usize) -> (EffectSet, [Vec<Scenario>; 2]) {
     let (natural, warm) = (NaturalConvection::INDEX, WarmWall::INDEX);
     let (_, mut rows) = relaxing(count);

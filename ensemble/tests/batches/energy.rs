@@ -1,4 +1,4 @@
-//! `energy_error` beside what integrated rows are really wrong by.
+//! `energy_error` compared with the true error of integrated rows.
 
 use crate::common::results;
 use crate::numbers::Numbers;
@@ -27,7 +27,7 @@ fn integrated(set: EffectSet, rows: &[Scenario], relative_tolerance: f64) -> Vec
     out
 }
 
-/// What the energies at the end of the push and of the hold are wrong by, relative to the work: about the energy over it.
+/// Error of the energies at the end of the push and of the hold, relative to the energy, which is about the work.
 fn error(s: &Scenario, o: &Outcome) -> f64 {
     let [begin, end] = [s.initial_position_m, s.final_position_m].map(|x| s.chamber.geometry.volume(x));
     let closed = Closed::filled(&s.chamber, s.initial_pressure_pa, AMBIENT_K, begin, AMBIENT_K);
@@ -37,7 +37,7 @@ fn error(s: &Scenario, o: &Outcome) -> f64 {
     wrong(o.temperature_final_k, last).max(wrong(o.pressure_peak_pa, closed.pressure(peak, end)))
 }
 
-/// Asserts that the energy error is as large as what outcomes are wrong by at each tolerance, and falls with it.
+/// Asserts that the energy error is as large as the true error at each tolerance, and falls with it.
 fn assert_shows(name: &str, set: EffectSet, rows: &[Scenario], error: impl Fn(usize, &Outcome) -> f64) {
     for (tolerance, most) in [(1e-4, 1e-3), (1e-7, 1e-6), (1e-10, 1e-9)] {
         let outcomes = integrated(set, rows, tolerance);

@@ -1,4 +1,4 @@
-//! A row is its own: its neighbours, its place and the instruction set change nothing but, for the last, rounding.
+//! Rows are independent of their neighbours and their place, and, except for rounding, of the instruction set.
 
 use crate::common::{
     assert_independent, assert_same, convective, flowing, heated, kept, relaxing, remembering, results, sealed,
@@ -53,8 +53,8 @@ fn every_instruction_set_gives_the_same_but_for_the_last_digits() {
         ((EffectSet::one(0), varied(32, Some(0))), Solver::Auto),
         ((EffectSet::ALL, varied(32, None)), Solver::Auto),
     ] {
-        // Where gas passes the wall's temperature natural convection has a corner, and how a step meets it depends on the
-        // last digits: by 2e-8 at the default tolerance.
+        // Natural convection has a corner where gas passes the wall's temperature, and how a step meets it depends on the last digits:
+        // by 2e-8 at the default tolerance.
         let options = Options { solver, relative_tolerance: 1e-12, ..Options::default() };
         let widest = results(set, &rows, &options);
         for (name, instructions) in InstructionSet::all() {

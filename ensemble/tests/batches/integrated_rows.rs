@@ -1,12 +1,13 @@
-//! Rows that only the integrator solves: against the plain one.
+//! Rows that only the integrator solves: against the plain integrator.
 
 use crate::common::{
     assert_close, assert_same, changed, flowing, heated, reference, results, sealed, section_31, stirred, varied,
     walled, with_instructions,
 };
+use crate::plain;
 use chamber::EffectSet;
 use chamber::effects::{Empirical, Leakage, NaturalConvection, RecordDelay, SensorDrift, SensorLag, WallHeating};
-use ensemble::{InstructionSet, Options, Scenario, plain};
+use ensemble::{InstructionSet, Options, Scenario};
 
 #[test]
 fn each_effect_in_lanes_agrees_with_the_plain_integrator() {
@@ -72,7 +73,7 @@ fn a_push_from_equal_temperatures_costs_no_accuracy_whatever_the_power_of_their_
     for (i, s) in rows.iter_mut().enumerate() {
         s.initial_temperature_k = s.ambient_temperature_k;
         s.chamber.effects.of_mut(natural)[0] = [-0.4, 0.25, 1.0 / 3.0, 1.5][i % 4];
-        // The record shows some of the push.
+        // The record shows part of the push.
         match i / 4 % 3 {
             0 => {}
             1 => s.chamber.effects.of_mut(late)[0] = 0.3 * s.push_time_s,
@@ -103,13 +104,13 @@ fn a_curve_over_the_pressure_costs_no_accuracy_at_its_knots() {
     });
     let options = Options { relative_tolerance: 1e-9, fit: false, ..Options::default() };
     for (s, ours) in rows.iter().zip(results(set, &rows, &options)) {
-        let expected = plain::run(set, s, &Options { relative_tolerance: 1e-13, ..options });
+        let expected = plain::run(set, s, 1e-13);
         assert_close(ours.pressure_peak_pa, expected.pressure_peak_pa, 2e-8, "peak");
         assert_close(ours.pressure_final_pa, expected.pressure_final_pa, 2e-8, "final");
     }
 }
 
-/// The test of section 3.1 with an effect of these numbers, of several durations.
+/// The test of section 3.1 with an effect's first parameters, for several durations.
 fn with_effect(effect: usize, numbers: &[f64]) -> (EffectSet, Vec<Scenario>) {
     (EffectSet::one(effect), [10.0, 20.0, 40.0].map(|duration| section_31(effect, numbers, duration)).into())
 }

@@ -1,5 +1,5 @@
-//! Batches against closed forms, against the plain integrator, and against themselves in another order. One program, which
-//! links the kernel once.
+//! Batches against closed forms, against the plain integrator, and against themselves in another order. One program, so that the kernel
+//! is linked once.
 
 mod closed_forms;
 mod common;
@@ -9,5 +9,6 @@ mod integrated_rows;
 #[path = "../common/numbers.rs"]
 mod numbers;
 mod paths;
+mod plain;
 mod sealed_rows;
 mod sensors;

@@ -1,4 +1,4 @@
-//! Which way a row takes: by its exact solution, by code of its own, by the slow way of all effects, or by none.
+//! The path of a row: exact solution, code compiled for its effects, the slow code for any effects, or none.
 
 use crate::common::{results, sealed, varied};
 use chamber::card::ClosedForm;

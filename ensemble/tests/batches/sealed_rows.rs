@@ -1,11 +1,11 @@
-//! Sealed rows: against the exact solution, integrated, and integrated as rows into which next to nothing flows.
+//! Sealed rows: exact solution, integrated, and integrated as rows with a negligible inflow.
 
 use crate::common::{assert_close, assert_same, hold_for, reference, results, sealed};
 use crate::numbers::Numbers;
 use chamber::{AreaLaw, EffectSet, effects, papers_chamber};
 use ensemble::{Options, Outcome, Scenario, Solver};
 
-/// Sealed tests by their exact solution, integrated, and integrated as rows into which next to nothing flows.
+/// Sealed tests by their exact solution, integrated, and integrated as rows with a negligible inflow.
 fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
     let with = |solver| Options { solver, fit, ..Options::default() };
     let exact = results(EffectSet::NONE, &scenarios, &with(Solver::Exact));
@@ -17,7 +17,7 @@ fn three_ways(mut scenarios: Vec<Scenario>, fit: bool) -> [Vec<Outcome>; 3] {
     [exact, integrated, flowing]
 }
 
-/// Over a whole short push both error estimates of a step can vanish at once, in one row of a few thousand.
+/// Over a whole short push both error estimates of a step can vanish at once, in one of a few thousand rows.
 #[test]
 fn no_push_of_many_errs_by_more_than_the_tolerance() {
     let mut scenarios = sealed(1 << 14);
@@ -101,7 +101,7 @@ fn sealed_rows_with_their_regressions_agree_with_the_sampled_record() {
     }
 }
 
-/// τ, s, of the least squares over the samples of P = Pf/(1 − ε e^(−k t)), one by one: a search over ln τ, as nothing of the program does.
+/// Least-squares τ, s, of the samples of P = Pf/(1 − ε e^(−k t)), by a search over ln τ, unlike anything in the program.
 fn least_squares([excess, rate]: [f64; 2], times_s: &[f64]) -> f64 {
     let count = times_s.len() as f64;
     let pressures: Vec<f64> = times_s.iter().map(|t| 1.0 / (1.0 - excess * (-rate * t).exp())).collect();
@@ -134,7 +134,7 @@ fn the_time_constant_of_a_pressure_of_many_times_the_last_is_that_of_the_least_s
     }
     let mut steepest: f64 = 0.0;
     for (row, (s, o)) in scenarios.iter().zip(results(EffectSet::NONE, &scenarios, &Options::default())).enumerate() {
-        // From the outcome: 1 − Tw/T decays with the rate k, from the peak to the end.
+        // From the outcome: 1 − Tw/T decays at the rate k from the peak to the end.
         let [pushed, end] = [o.temperature_peak_k, o.temperature_final_k].map(|t| 1.0 - s.ambient_temperature_k / t);
         let rate = (pushed / end).ln() / (s.duration_s - s.push_time_s);
         let samples = 1..=(100.0 * s.duration_s).floor() as u32;

@@ -1,4 +1,4 @@
-//! What a sensor shows of the gas: against the integrator.
+//! Sensor readings: against the integrator.
 
 use crate::common::{
     assert_independent, assert_same, changed, reference, results, sealed, section_31, set_first,
@@ -45,7 +45,7 @@ fn what_a_sensor_shows_of_a_closed_form_agrees_with_the_integrator() {
     let mut integrated = with(Solver::Adaptive, 1e-12);
     for (k, (exact, integrated)) in with(Solver::Auto, 1e-8).iter_mut().zip(&mut integrated).enumerate() {
         assert!(exact.exact && !integrated.exact);
-        // Where a drift outweighs the relaxation no exponential is near, and which one is found is chance.
+        // If a drift outweighs the relaxation no exponential fits, and which one is found is arbitrary.
         if exact.fit.or(integrated.fit).is_some_and(|fit| fit.misfit > 0.1) {
             (exact.fit, integrated.fit) = (None, None);
         }
@@ -62,8 +62,8 @@ fn what_a_sensor_shows_by_a_curve_of_its_reading_agrees_with_the_plain_integrato
     let options = Options { relative_tolerance: 1e-10, ..Options::default() };
     for (k, (s, mut ours)) in rows.iter().zip(results(set, &rows, &options)).enumerate() {
         let mut expected = reference(set, s);
-        // Where a curve folds the record no exponential is near, and which one is found is chance; and so little of an
-        // exponential as nearly is a straight line has a τ to a few digits only.
+        // If a curve folds the record no exponential fits, and which one is found is arbitrary; and a nearly straight part of an
+        // exponential determines τ to a few digits only.
         let of_no_exponential =
             |fit: ensemble::Fit| fit.misfit > 0.1 || fit.time_constant_s > 5.0 * (ours.duration_s - s.push_time_s);
         if [ours.fit, expected.fit].into_iter().flatten().any(of_no_exponential) {
@@ -73,7 +73,7 @@ fn what_a_sensor_shows_by_a_curve_of_its_reading_agrees_with_the_plain_integrato
     }
 }
 
-/// Whether the reading of the test of section 3.1, of 5 s, has settled behind sensors with some values of one effect.
+/// Whether the reading of the test of section 3.1, of 5 s, has settled for given values of one sensor effect.
 fn settles_behind(effect: usize, values: &[f64]) -> Vec<(String, Vec<bool>)> {
     let set = EffectSet::one(effect);
     let rows: Vec<Scenario> = values.iter().map(|value| section_31(effect, &[*value], 5.0)).collect();
@@ -93,7 +93,7 @@ fn settles_behind(effect: usize, values: &[f64]) -> Vec<(String, Vec<bool>)> {
 
 #[test]
 fn a_record_so_late_that_it_does_not_show_the_gas_settle_has_not_settled() {
-    // At the end it shows the gas of 5 s less the delay: of the hold, of the push, or of before the test.
+    // At the end it shows the gas at 5 s minus the delay: during the hold, during the push, or before the test.
     for (name, settled) in settles_behind(RecordDelay::INDEX, &[0.0, 0.01, 1.0, 4.5, 4.9, 4.98, 5.0, 6.0]) {
         assert_eq!(settled, [true, true, true, false, false, false, false, false], "{name}");
     }

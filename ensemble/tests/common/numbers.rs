@@ -1,6 +1,6 @@
-//! Numbers for rows of tests and measurements, the same in every run.
+//! Reproducible numbers for the rows of tests and measurements.
 
-/// Reproducible numbers in [0, 1): a 64-bit linear congruence, the high bits of it.
+/// Numbers in [0, 1): the high bits of a 64-bit linear congruential generator.
 pub struct Numbers(pub u64);
 
 impl Numbers {

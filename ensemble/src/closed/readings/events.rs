@@ -1,29 +1,29 @@
-//! The extremes of records and the last moment at which they are outside the band around their ends, from the corners of their
-//! pieces: begin, turn and end. Between corners a record is monotone.
+//! Peaks of records and the last time they are outside the band around their ends, from the corners of their pieces: begin, turn and
+//! end. A record is monotone between corners.
 
 use super::hold::{BehindLag, HoldRecord, Relaxation};
-use super::pieces::Piece;
-use super::sensors::Sensors;
+use super::shown::Piece;
 use crate::closed::test::Tests;
 use crate::lanes::Lanes;
 use crate::outcome::{ROUNDING, SETTLED};
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Rounds of Newton's method at most, and the share of a relaxation or a lag that a step of it must be shorter than to be the last.
+/// Largest number of Newton steps, and the size of the last one, as a fraction of a relaxation or a lag.
 const ROUNDS: usize = 6;
 const NEARLY: f64 = 1e-6;
 const NEARLY_TURNED: f64 = 3e-4;
 
-/// Where records turn inside a piece.
+/// The turns of records inside a piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
-    /// 1 where they do, else 0.
+    /// 1 if there is one, else 0.
     is: Lanes,
-    /// When, s.
+    /// Its time, s.
     time: Lanes,
-    /// What is shown there, Pa.
+    /// The reading there, Pa.
     value: Lanes,
 }
 
@@ -31,19 +31,19 @@ impl Turn {
     /// No record turns.
     pub const NONE: Self = Self { is: Lanes::ZERO, time: Lanes::ZERO, value: Lanes::ZERO };
 
-    /// The record of a lane turns, at a time, s, and shows that pressure there, Pa.
+    /// Sets the turn of a lane: its time, s, and the reading there, Pa.
     pub fn put(&mut self, lane: usize, time: f64, value: f64) {
         (self.is[lane], self.time[lane], self.value[lane]) = (1.0, time, value);
     }
 }
 
-/// Where records turn round inside parts of the hold, `times`, of sensors that lag and do not drift: when, s, and what is shown
-/// there, Pa; and positive where that is found. P' − y' = τ y″ fades as e^(−t/τ) and P' goes slowly, so that Newton's method for
-/// the logarithm of (P' − y')/P' takes few rounds.
+/// Finds the turns of records between `times` of the hold, for sensors with a lag but no drift: the time, s, the reading there, Pa, and
+/// a number that is positive if the turn was found. P' − y' = τ y″ decays as e^(−t/τ) while P' changes slowly, so that Newton's method
+/// for the logarithm of (P' − y')/P' needs few steps.
 pub struct TurnBehind<'a> {
     pub gas: &'a Relaxation,
     pub behind: &'a BehindLag,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub times: [Lanes; 2],
 }
 
@@ -61,10 +61,10 @@ impl WithSimd for TurnBehind<'_> {
             let (way, left) = (pressure * per_rest, Lanes::ONE - pressure * per_rest);
             let gas_slope = gas.rate * pressure * left;
             let lags = (Lanes::ONE - slope / gas_slope).max(Lanes::from(f64::MIN_POSITIVE)).ln();
-            // How fast the logarithm falls, as P″ = −k (2 P/Pf − 1) P'.
+            // Its part of the logarithm's rate of decrease, with P″ = −k (2 P/Pf − 1) P'.
             let bend = gas.rate * (way * 2.0 - 1.0) * slope / (gas_slope - slope);
             let step = (lags / (per_lag + bend)).max(begin - time).min(end - time);
-            // On the way to the turn the slope goes to zero.
+            // Over the step to the turn the slope falls to zero.
             shown = open.where_positive(reading + slope * step * 0.5 + sensors.beside(time), shown);
             time = open.where_positive(time + step, time);
             open = (Lanes::from(NEARLY_TURNED) - lags.abs()).where_positive(Lanes::ZERO, open);
@@ -77,7 +77,7 @@ impl WithSimd for TurnBehind<'_> {
     }
 }
 
-/// Looks for the peaks of records and for where they settle: [`FoundEvents`].
+/// Finds the peaks of records and where they settle: [`FoundEvents`].
 pub struct Events<'a> {
     pub tests: &'a Tests,
     pub pieces: &'a [Piece],
@@ -88,16 +88,16 @@ pub struct Events<'a> {
 
 /// Peaks of records, and where they settle.
 pub struct FoundEvents {
-    /// Extreme reading, Pa, the smallest of an expansion, and when it is shown, s.
+    /// Largest reading, Pa, or smallest for an expansion, and its time, s.
     pub peak: Lanes,
     pub peak_time: Lanes,
     /// Reading at the end, Pa.
     pub last: Lanes,
-    /// Half of the band around that, Pa.
+    /// Half-width of the band around it, Pa.
     pub band: Lanes,
     /// The last piece with a corner outside the band.
     pub piece: Lanes,
-    /// Times of the last corner outside, s, and of the one after it; 0 and 0 where none is.
+    /// Times of the last corner outside and of the one after it, s; both 0 if there is none.
     pub between: [Lanes; 2],
 }
 
@@ -120,7 +120,7 @@ impl WithSimd for Events<'_> {
         }
         let peak = peak * sign;
         let band = ((peak - last).abs() * SETTLED).max(last.abs() * ROUNDING);
-        // From the end back to the last corner outside.
+        // Backwards from the end to the last corner outside.
         let (mut found, mut later) = (Lanes::ZERO, end);
         let (mut at, mut between) = (Lanes::ZERO, [Lanes::ZERO; 2]);
         for (index, (piece, turn)) in pieces.iter().zip(turns).enumerate().rev() {
@@ -137,12 +137,12 @@ impl WithSimd for Events<'_> {
     }
 }
 
-/// When records come within their bands for good, s, where sensors that do not drift show the hold: in closed form, and behind a
-/// lag by Newton's method for the logarithm of the distance to the end, which falls nearly evenly. Beside it, positive where that
-/// has come to an end.
+/// Times at which records enter their bands for good during the hold, s, for sensors without drift: in closed form, or with a lag by
+/// Newton's method for the logarithm of the distance to the end, which is nearly linear in time; and a number that is positive if the
+/// method has converged.
 pub struct Enter<'a> {
     pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub found: &'a FoundEvents,
 }
 
@@ -165,7 +165,7 @@ impl WithSimd for Enter<'_> {
             let distance = reading + sensors.offset - found.last;
             let step = (distance * per_band).max(Lanes::from(f64::MIN_POSITIVE)).ln() * distance / slope;
             time = open.where_positive((time - step).max(outside).min(later), time);
-            // After this step the next one would be its square or less; not where it is no number.
+            // The next step would be at most the square of this one. False if it is not a number.
             open = (Lanes::from(NEARLY) - (step * gas.rate).abs()).where_positive(Lanes::ZERO, open);
             if !open.any_positive() {
                 break;
@@ -176,7 +176,7 @@ impl WithSimd for Enter<'_> {
     }
 }
 
-/// Corners of a piece in the order of their times: whether there is one (1 or 0), time and value.
+/// Corners of a piece in chronological order: whether it exists (1 or 0), time and value.
 #[inline(always)]
 fn corners(piece: &Piece, turn: &Turn) -> [[Lanes; 3]; 3] {
     let [begin, end] = [0, 1].map(|end| [Lanes::ONE, piece.times[end], piece.shown[end]]);

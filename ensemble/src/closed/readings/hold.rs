@@ -1,11 +1,11 @@
-//! The gas during the hold, P = Pf/(1 − ε ζ) with ζ = e^(−kt), and what a lagging sensor makes of it, in closed form.
+//! The gas during the hold, P = Pf/(1 − ε ζ) with ζ = e^(−kt), and the reading of a lagging sensor, in closed form.
 //!
-//! Chebyshev's series of P over ζ from 0 to 1 is geometric: with s = √(1 − ε), P = Pf/s Σ' 2 r^m T*_m(ζ),
+//! The Chebyshev series of P over ζ from 0 to 1 is geometric: with s = √(1 − ε), P = Pf/s Σ' 2 r^m T*_m(ζ),
 //! r = (ε/2)/(1 − ε/2 + s). In powers of ζ, P = Σ c_n ζ^n, the sensor's equation y' = (P − y)/τ has the solution
 //!
 //! y = y0 e^(−t/τ) + Σ c_n (ζ^n − e^(−t/τ))/(1 − n k τ)
 //!
-//! Where one 1 − n k τ is small, that term is c_n (t/τ) e^(−t/τ) φ(x) with x = (1 − n k τ) t/τ and φ(x) = (e^x − 1)/x.
+//! If one 1 − n k τ is small, its term is computed as c_n (t/τ) e^(−t/τ) φ(x) with x = (1 − n k τ) t/τ and φ(x) = (e^x − 1)/x.
 
 use crate::filter;
 use crate::lanes::Lanes;
@@ -13,13 +13,13 @@ use crate::lanes::math::in_powers;
 use chamber::real::Real;
 use core::hint::black_box;
 
-/// Powers of ζ; with them P is exact to nine digits for ε from −3, a gas at a quarter of the wall's temperature, to 0.7.
+/// Number of powers of ζ: P is exact to nine digits for ε from −3, a gas at a quarter of the wall's temperature, to 0.7.
 const POWERS: usize = 20;
-/// |x| up to which φ is taken by its series, and the terms of that.
+/// |x| up to which φ is computed by its series, and the number of its terms.
 const SMALL: f64 = 0.5;
 const SERIES: usize = 12;
 
-/// Coefficients of the powers in Chebyshev's polynomials from 0 to 1: T*_(m+1) = 2 (2ζ − 1) T*_m − T*_(m−1).
+/// Coefficients of the Chebyshev polynomials from 0 to 1: T*_(m+1) = 2 (2ζ − 1) T*_m − T*_(m−1).
 const CHEBYSHEV: [[f64; POWERS]; POWERS] = {
     let mut all = [[0.0; POWERS]; POWERS];
     all[0][0] = 1.0;
@@ -37,7 +37,7 @@ const CHEBYSHEV: [[f64; POWERS]; POWERS] = {
     all
 };
 
-/// The relaxation of the hold over the time since the push, s, of the gas.
+/// The relaxation of the gas during the hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Relaxation {
     /// Pf, Pa.
@@ -49,7 +49,7 @@ pub struct Relaxation {
 }
 
 impl Relaxation {
-    /// The pressure a time after the push, s, and its slope, Pa/s.
+    /// Pressure at a time after the push, s, and its slope, Pa/s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
         let left = self.excess * (-(self.rate * time)).exp();
@@ -58,14 +58,14 @@ impl Relaxation {
         [pressure, -(pressure * per_rest * left * self.rate)]
     }
 
-    /// Time after the push, s, at which it has come to a pressure, Pa.
+    /// Time after the push at which it reaches a pressure, Pa, s.
     #[inline(always)]
     pub fn reaches(&self, pressure: Lanes) -> Lanes {
         (self.excess / (Lanes::ONE - self.at_rest / pressure)).ln() / self.rate
     }
 }
 
-/// The hold, of the gas and as sensors show it that lag, where they do.
+/// The hold: the gas, and the readings if the sensors lag.
 #[derive(Clone, Copy, Debug)]
 pub struct HoldRecord {
     pub gas: Relaxation,
@@ -73,7 +73,7 @@ pub struct HoldRecord {
 }
 
 impl HoldRecord {
-    /// What is shown a time after the push, s, Pa, and its slope, Pa/s.
+    /// Reading at a time after the push, s, and its slope, Pa and Pa/s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
         match &self.behind {
@@ -83,21 +83,21 @@ impl HoldRecord {
     }
 }
 
-/// What sensors show of it that lag.
+/// The readings of lagging sensors during the hold.
 #[derive(Clone, Copy, Debug)]
 pub struct BehindLag {
     gas: Relaxation,
     per_lag: Lanes,
     /// c_n/(1 − n k τ), Pa.
     terms: [Lanes; POWERS],
-    /// What fades with e^(−t/τ), Pa.
+    /// Coefficient of e^(−t/τ), Pa.
     fading: Lanes,
-    /// The term whose 1 − n k τ is the smallest, where that is less than half of kτ: n, that number, and c_n, Pa.
+    /// The term with the smallest 1 − n k τ, if that is less than half of kτ: n, 1 − n k τ, and c_n, Pa.
     near: [Lanes; 3],
 }
 
 impl BehindLag {
-    /// Of sensors that lag by so many s and show `begin`, Pa, at the start of the hold.
+    /// The readings of sensors with a lag, s, that show `begin`, Pa, at the start of the hold.
     #[inline(always)]
     pub fn new(gas: Relaxation, lag: Lanes, begin: Lanes) -> Self {
         let root = (Lanes::ONE - gas.excess).sqrt();
@@ -107,7 +107,7 @@ impl BehindLag {
         for m in 1..POWERS {
             weights[m] = weights[m - 1] * ratio * if m == 1 { 2.0 } else { 1.0 };
         }
-        // The inner loop is a sum: any other the compiler would vectorise by gathering numbers from all lanes.
+        // The inner loop is a sum: the compiler would vectorise other loops by gathering numbers from all lanes.
         let mut terms = [Lanes::ZERO; POWERS];
         for n in 0..black_box(POWERS) {
             for m in n..POWERS {
@@ -129,7 +129,7 @@ impl BehindLag {
         Self { gas, per_lag: lag.recip(), terms, fading, near }
     }
 
-    /// The reading a time after the push, s, and its slope, Pa/s.
+    /// Reading at a time after the push, s, and its slope, Pa/s.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
         let Self { gas, per_lag, terms, fading, near: [power, distance, coefficient] } = self;

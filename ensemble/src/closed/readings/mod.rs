@@ -1,60 +1,63 @@
-//! What a sensor shows of tests that have a closed form, one a lane: a filter of a known pressure, without integration.
+//! Sensor readings of tests that have a closed form, one per lane: a filter of a known pressure, without integration.
 //!
 //! While the piston rests P = Pf/(1 − z), z = ε e^(−kt); while it moves P = m R/(u V) with u = 1/T from the nodes of the
-//! quadrature ([`Panel`]). The record shows it a delay later, behind a lag, with an offset and a drift. Without a lag it turns
-//! where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. Behind a lag the push is integrated ([`push`])
-//! and the hold has a closed form ([`hold`]). What a late record still shows of the push is cut into pieces, over which behind a
-//! lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record, pressures in Pa.
+//! quadrature ([`Panel`](crate::numerics::gauss::Panel)). The record shows it a delay later, behind a lag, with an offset and a
+//! drift r. Without a lag it turns where P' = −r, that is where Pf k z = r (1 − z)²: at two places, z and 1/z. With a lag the push is
+//! integrated ([`push`]) and the hold has a closed form ([`hold`]). What a delayed record still shows of the push is cut into pieces,
+//! over which with a lag the pressure is a polynomial ([`filter`](crate::filter)). Times in s from the end of the push on the record,
+//! pressures in Pa.
 
 mod events;
 mod hold;
 mod pieces;
 mod push;
+mod records;
 mod samples;
-mod sensors;
+mod shown;
+
+pub use records::{Memory, Readings};
 
 use crate::closed::test::{Ends, Tests};
-use crate::filter::{Behind, ToPowers};
 use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question};
-use crate::numerics::gauss::{NODES, Panel};
 use crate::outcome::{Outcome, ROUNDING, Standing};
+use crate::query::{Query, Question};
 use crate::regression::Regression;
 use crate::regression::fit;
 use crate::scenario::Scenario;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use events::{Enter, Events, FoundEvents, Turn, TurnBehind};
 use hold::{HoldRecord, Relaxation};
-use pieces::{Build, HoldPieces, Piece, Polynomial, Push, Shown};
+use pieces::{Build, HoldPieces};
 use pulp::Arch;
-use sensors::Sensors;
+use shown::Piece;
 
-/// Relaxations in the push of a lagging or late record up to which it is read from the closed form.
+/// Number of relaxations in the push up to which a lagging or delayed record is read from the closed form.
 const MOST_RELAXATIONS: f64 = 20.0;
 
-/// The answers about one record.
+/// What is read from one record.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RecordAnswer {
-    /// Extreme reading from the end of the push on, Pa.
+    /// Largest reading from the end of the push on, Pa, or smallest for an expansion.
     pub peak: f64,
     /// Time of that reading, s.
-    peak_time: f64,
+    pub peak_time: f64,
     /// Reading at the end of the test, Pa.
     pub last: f64,
-    /// From when on it is within 1 % of that for good.
+    /// Time after which it stays within 1 % of the last reading, s.
     pub settling: f64,
 }
 
-/// Whether the closed form is the quicker way to what a sensor shows of a sealed test. With a lag or a delay the push is read
-/// in parts; their number grows with the push over the relaxation, and the time and memory they take with it.
-pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
-    if !behind.looks_back() {
+/// Whether the closed form is the faster method for the reading of a sealed test. With a lag or a delay the push is read in parts,
+/// whose number, time and memory grow with the ratio of push to relaxation.
+pub fn is_quick(sensor: &Sensor, scenario: &Scenario) -> bool {
+    if !sensor.looks_back() {
         return true;
     }
     let Scenario { chamber, initial_pressure_pa, ambient_temperature_k: ambient, .. } = scenario;
     let (geometry, law) = (&chamber.geometry, &chamber.heat_transfer);
     let [first, last] = [scenario.initial_position_m, scenario.final_position_m].map(|x| geometry.volume(x));
-    // [`Closed::rate`] of that gas at rest times the push, by their squares: without roots and divisions.
+    // Compares the squares of [`Closed::rate`] at rest times the push: without roots and divisions.
     let exchanged = law.coefficient * geometry.heat_transfer_area(last) * (chamber.gas.heat_capacity_ratio - 1.0);
     let rate = scenario.push_time_s * exchanged * ambient;
     let most = MOST_RELAXATIONS * MOST_RELAXATIONS * law.reference_pressure * law.reference_temperature;
@@ -62,15 +65,15 @@ pub fn is_quick(behind: &Behind, scenario: &Scenario) -> bool {
 }
 
 impl RecordAnswer {
-    /// The outcome, where that of a record that shows the gas is `gas` and `behind` is the sensor.
+    /// The outcome, from that of the gas, given the wall temperature, K, and the sensor.
     pub fn outcome(
         &self,
         s: &Scenario,
         regression: Option<Regression>,
-        (wall, behind): (f64, &Behind),
+        (wall, sensor): (f64, &Sensor),
         gas: Outcome,
     ) -> Outcome {
-        let (settling_time_s, flows_on) = self.standing(s, wall, behind, &gas).judge(self.settling);
+        let (settling_time_s, flows_on) = self.standing(s, wall, sensor, &gas).judge(self.settling);
         Outcome {
             pressure_peak_pa: self.peak,
             pressure_final_pa: self.last,
@@ -81,56 +84,30 @@ impl RecordAnswer {
         }
     }
 
-    /// How the record stands at its end.
-    fn standing(&self, s: &Scenario, wall: f64, behind: &Behind, gas: &Outcome) -> Standing {
+    /// What is outstanding at the end of the record.
+    fn standing(&self, s: &Scenario, wall: f64, sensor: &Sensor, gas: &Outcome) -> Standing {
         let distance = (self.peak - self.last).abs();
         let cooled = wall / gas.temperature_final_k;
-        let to_come = if behind.looks_back() {
-            (self.last - behind.sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
+        let to_come = if sensor.looks_back() {
+            (self.last - sensor.shown(gas.pressure_final_pa * cooled, gas.duration_s)).abs()
         } else {
             gas.pressure_final_pa * (1.0 - cooled).abs()
         };
         let stands = self.settling == 0.0 && distance <= ROUNDING * self.last.abs();
-        let going_on = (behind.sensor.drift * s.hold_s()).abs();
+        let going_on = (sensor.drift * s.hold_s()).abs();
         Standing { distance, to_come, going_on, stands }
     }
 }
 
-/// Working memory, kept from one group to the next.
-#[derive(Default)]
-pub struct Memory {
-    /// 1/T at the nodes of each part of the push, and where it is asked for along them.
-    pub nodes: Vec<[Lanes; NODES]>,
-    panels: Vec<Panel<Lanes>>,
-    pieces: Vec<Piece>,
-    /// Of those of the push, of sensors that lag.
-    polynomials: Vec<Polynomial>,
-    /// How many of the first pieces are of the push.
-    in_push: usize,
-    /// By piece, where the records turn inside.
-    turns: Vec<Turn>,
-    to_powers: ToPowers,
-}
-
-/// Records, one a lane; all of them lag or none, and all of them are delayed or none.
-pub struct Readings<'a> {
-    arch: Arch,
-    tests: &'a Tests,
-    memory: &'a mut Memory,
-    hold: HoldRecord,
-    sensors: Sensors,
-    duration: Lanes,
-}
-
 impl<'a> Readings<'a> {
-    /// Of these tests with their sensors; `before` is the gas's pressure before the test, Pa. Where a sensor looks back,
-    /// `memory` has the nodes of the push.
+    /// The records of tests with their sensors; `before` is the gas pressure before the test, Pa. If the sensors look back, `memory`
+    /// holds the nodes of the push.
     pub fn new(
         arch: Arch,
         memory: &'a mut Memory,
         tests: &'a Tests,
         ends: &Ends,
-        behind: impl Fn(usize) -> Behind,
+        sensor: impl Fn(usize) -> Sensor,
         before: Lanes,
     ) -> Self {
         let wall = tests.closed.ambient_temperature;
@@ -141,27 +118,27 @@ impl<'a> Readings<'a> {
         };
         let [mut lag, mut delay, mut offset, mut drift] = [Lanes::ZERO; 4];
         for lane in 0..WIDTH {
-            let Behind { sensor, delay: by } = behind(lane);
-            (lag[lane], delay[lane], drift[lane]) = (sensor.lag, by, sensor.drift);
-            offset[lane] = sensor.shown(0.0, tests.push[lane]);
+            let one = sensor(lane);
+            (lag[lane], delay[lane], drift[lane]) = (one.lag, one.delay, one.drift);
+            offset[lane] = one.shown(0.0, tests.push[lane]);
         }
-        let sensors = Sensors { lag, delay, offset, drift };
+        let sensors = Sensor { lag, delay, offset, drift };
         memory.pieces.clear();
         memory.polynomials.clear();
         memory.in_push = 0;
         let hold = HoldRecord { gas, behind: None };
         let mut readings = Self { arch, tests, memory, hold, sensors, duration: tests.hold };
-        if sensors.lag() || sensors.are_late() {
+        if sensors.lags() || sensors.is_late() {
             arch.dispatch(Build { readings: &mut readings, before });
         }
-        if !sensors.lag() {
+        if !sensors.lags() {
             readings.add_hold();
         }
         readings.find_turns();
         readings
     }
 
-    /// The hold without a lag: pieces between the turns, which the closed form has.
+    /// Adds the hold without a lag: pieces between its turns, which have a closed form.
     fn add_hold(&mut self) {
         let Self { hold, sensors, duration, .. } = self;
         let mut corners = [sensors.delay, *duration, *duration, *duration];
@@ -175,25 +152,7 @@ impl<'a> Readings<'a> {
         self.arch.dispatch(HoldPieces { hold, sensors, corners, pieces: &mut self.memory.pieces });
     }
 
-    /// A piece of each lane, not the same one of all.
-    fn gather(&self, piece: impl Fn(usize) -> usize) -> Shown<'_> {
-        let Memory { nodes, panels, pieces, polynomials, in_push, .. } = &*self.memory;
-        let piece: [usize; WIDTH] = core::array::from_fn(piece);
-        let times = [0, 1].map(|end| Lanes::from_fn(|lane| pieces[piece[lane]].times[end][lane]));
-        let pushed = Lanes::from_fn(|lane| if piece[lane] < *in_push { 1.0 } else { 0.0 });
-        let any_pushed = piece.iter().any(|piece| *piece < *in_push);
-        let push = any_pushed.then(|| {
-            if !self.sensors.lag() {
-                return Push::Gas(self.tests, nodes, panels);
-            }
-            let of = |lane: usize| &polynomials[piece[lane].min(polynomials.len() - 1)];
-            let gas = core::array::from_fn(|term| Lanes::from_fn(|lane| of(lane).gas[term][lane]));
-            Push::Behind(Polynomial { gas, lagged: Lanes::from_fn(|lane| of(lane).lagged[lane]) })
-        });
-        Shown { times, pushed, push, hold: &self.hold, sensors: &self.sensors }
-    }
-
-    /// Where the records turn round inside a piece: of each lane the first such piece, then the second, and so on.
+    /// Finds the turns of the records: of each lane the first piece with a turn, then the second, and so on.
     fn find_turns(&mut self) {
         let count = self.memory.pieces.len();
         self.memory.turns.clear();
@@ -218,7 +177,7 @@ impl<'a> Readings<'a> {
             let open: [bool; WIDTH] = core::array::from_fn(|lane| next[lane] < count && !quick(lane));
             if open.contains(&true) {
                 let [times, values, ..] =
-                    Look { times: reading.times, reading, question: Question::Turn }.answer(*arch);
+                    Query { times: reading.times, reading, question: Question::Turn }.answer(*arch);
                 for lane in (0..WIDTH).filter(|lane| open[*lane]) {
                     (found[0][lane], found[1][lane]) = (times[lane], values[lane]);
                 }
@@ -232,12 +191,12 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// The answers about each record; an expansion's peak is its smallest pressure.
+    /// What is read from each record.
     pub fn answers(&self) -> [RecordAnswer; WIDTH] {
         let Memory { pieces, turns, .. } = &*self.memory;
         let found = self.arch.dispatch(Events { tests: self.tests, pieces, turns, end: self.duration });
         let FoundEvents { last, between, band, .. } = found;
-        // The hold is searched only of sensors that drift.
+        // The hold needs a search only with drift.
         let of_hold = |lane: usize| found.piece[lane] >= self.memory.in_push as f64;
         let enter = Enter { hold: &self.hold, sensors: &self.sensors, found: &found };
         let [mut settled, good] = self.arch.dispatch(enter);
@@ -246,13 +205,13 @@ impl<'a> Readings<'a> {
         if !closed.iter().all(|closed| *closed) {
             let reading = self.gather(|lane| found.piece[lane] as usize);
             let question = Question::Enter { between, value: last, band };
-            let [searched, ..] = Look { times: reading.times, reading, question }.answer(self.arch);
+            let [searched, ..] = Query { times: reading.times, reading, question }.answer(self.arch);
             for lane in (0..WIDTH).filter(|lane| !closed[*lane]) {
                 settled[lane] = searched[lane];
             }
         }
         core::array::from_fn(|lane| {
-            // A record that never is outside has no piece to enter from.
+            // A record that is never outside has no piece to enter from.
             let outside = between[1][lane] > between[0][lane];
             let settling = if outside { settled[lane].max(0.0) } else { between[0][lane] };
             RecordAnswer { peak: found.peak[lane], peak_time: found.peak_time[lane], last: last[lane], settling }
@@ -260,7 +219,7 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// Times since the push, s, up to `end` at which a relaxation with a drift turns round; `end` in place of those it lacks.
+/// Times since the push, s, at which a relaxation with a drift turns before `end`; `end` for missing ones.
 fn turns(at_rest: f64, excess: f64, rate: f64, drift: f64, end: f64) -> [f64; 2] {
     if drift == 0.0 || excess == 0.0 {
         return [end; 2];

@@ -1,135 +1,30 @@
-//! The pieces of records, between which they may turn round: of the push, where they are late, and of the hold.
+//! Cuts records into pieces with at most one turn each: of the push, if they are delayed, and of the hold.
 
 use super::hold::{BehindLag, HoldRecord};
 use super::push::PushPressure;
-use super::sensors::Sensors;
-use super::{Memory, Readings};
-use crate::closed::test::Tests;
+use super::records::{Memory, Readings};
+use super::shown::{Piece, Polynomial};
 use crate::filter::{Lagged, TERMS, ToPowers};
 use crate::lanes::{Lanes, each_lane};
-use crate::look::Reading;
-use crate::numerics::gauss::{NODES, Panel};
 use crate::numerics::root::Curve;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Pieces, over which the pressure is a polynomial, of a part of the push.
+/// Pieces per part of the push, over each of which the pressure is a polynomial.
 const PIECES_OF_A_PART: usize = 6;
-/// Pieces of the hold behind a lag; of one without a drift, which turns once at most; and of such a one behind a lag of at most
-/// this share of the relaxation, which turns in the first 13 lags.
+/// Pieces of the hold with a lag: with drift; without drift, when it turns at most once; and without drift for a lag of at most `QUICK`
+/// relaxations, when it turns within the first 13 lags.
 const PIECES_OF_A_HOLD: usize = 12;
 const PIECES_WITHOUT_A_DRIFT: usize = 6;
 const PIECES_OF_A_QUICK_ONE: usize = 2;
 const QUICK: f64 = 0.1;
-/// A length, s, to divide by where there is none.
-const SHORTEST: f64 = 1e-300;
-
-/// A piece of each record.
-#[derive(Clone, Copy, Debug)]
-pub struct Piece {
-    /// Times at which it begins and ends, s.
-    pub times: [Lanes; 2],
-    /// What is shown there, Pa, and the slopes, Pa/s.
-    pub shown: [Lanes; 2],
-    pub slopes: [Lanes; 2],
-}
-
-/// The gas during a piece of the push of sensors that lag.
-#[derive(Clone, Copy, Debug)]
-pub struct Polynomial {
-    /// Coefficients of its pressure, Pa, in powers of the share of the piece.
-    pub gas: [Lanes; TERMS],
-    /// The lagging reading at the piece's start, Pa.
-    pub lagged: Lanes,
-}
-
-/// A piece's record as a curve.
-#[derive(Clone, Copy)]
-pub struct Shown<'a> {
-    /// Times at which the piece begins and ends, s.
-    pub times: [Lanes; 2],
-    /// 1 where it is of the push, 0 where of the hold.
-    pub pushed: Lanes,
-    /// That of the push, where any of the pieces is of it.
-    pub push: Option<Push<'a>>,
-    pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
-}
-
-/// Pieces of the push, one a lane.
-#[derive(Clone, Copy)]
-#[allow(clippy::large_enum_variant, reason = "one lives at a time")]
-pub enum Push<'a> {
-    /// Of sensors that lag.
-    Behind(Polynomial),
-    /// Of sensors that show the gas late: the tests, and 1/T at the nodes and along the parts of their pushes.
-    Gas(&'a Tests, &'a [[Lanes; NODES]], &'a [Panel<Lanes>]),
-}
-
-impl Shown<'_> {
-    /// The reading without offset and drift, Pa, and its slope, Pa/s.
-    #[inline(always)]
-    fn reading(&self, time: Lanes) -> [Lanes; 2] {
-        let held = self.hold.shown(time - self.sensors.delay);
-        match &self.push {
-            None => held,
-            Some(push) => {
-                let pushed = self.of_push(push, time);
-                let [reading, rise] = held;
-                [self.pushed.where_positive(pushed[0], reading), self.pushed.where_positive(pushed[1], rise)]
-            }
-        }
-    }
-
-    /// The same in the push.
-    #[inline(always)]
-    fn of_push(&self, push: &Push, time: Lanes) -> [Lanes; 2] {
-        let Polynomial { gas, lagged } = match push {
-            Push::Behind(polynomial) => polynomial,
-            Push::Gas(tests, nodes, panels) => {
-                let pushed = PushPressure::new(tests, self.sensors, nodes, panels);
-                return pushed.shown((time - self.sensors.delay).max(-tests.push).min(Lanes::ZERO));
-            }
-        };
-        let length = (self.times[1] - self.times[0]).max(Lanes::from(SHORTEST));
-        let share = (time - self.times[0]) / length;
-        let mut pressure = gas[TERMS - 1];
-        for term in (0..TERMS - 1).rev() {
-            pressure = pressure * share + gas[term];
-        }
-        let lag = self.sensors.lag;
-        let reading = Lagged { pressure: *gas, begin: *lagged, stiffness: length / lag }.at(share);
-        [reading, (pressure - reading) / lag]
-    }
-}
-
-impl Curve for Shown<'_> {
-    #[inline(always)]
-    fn at(&self, time: Lanes) -> Lanes {
-        self.reading(time)[0] + self.sensors.beside(time)
-    }
-
-    #[inline(always)]
-    fn rise(&self, time: Lanes, _: Lanes) -> Lanes {
-        self.reading(time)[1] + self.sensors.drift
-    }
-}
-
-impl Reading for Shown<'_> {
-    type Curve = Self;
-
-    #[inline(always)]
-    fn curve(self) -> Self {
-        self
-    }
-}
-
-/// The pieces of records from the end of the push on: where they are late, up to the start of the hold, and where they lag
-/// to their ends.
+/// Builds the pieces of records from the end of the push on: of delayed records up to the start of the hold, of lagging ones to their
+/// ends.
 pub struct Build<'b, 'a> {
     pub readings: &'b mut Readings<'a>,
-    /// What the sensors show before the push, Pa.
+    /// Pressure before the push, Pa.
     pub before: Lanes,
 }
 
@@ -143,12 +38,12 @@ impl WithSimd for Build<'_, '_> {
         PushPressure::panels(tests, sensors, nodes, panels);
         let pushed = PushPressure::new(tests, sensors, nodes, panels);
         let mut writer = Writer { to_powers, sensors, reading: self.before, pieces, polynomials };
-        // The record shows this moment at the end of the push.
+        // Time of the gas that the record shows at the end of the push.
         let first = -sensors.delay;
-        if sensors.lag() {
+        if sensors.lags() {
             writer.reading = black_box(pushed.behind(sensors.lag, first, self.before));
         }
-        if sensors.are_late() {
+        if sensors.is_late() {
             let begin = pushed.share(first)[0];
             let left = Lanes::ONE - begin;
             let fine = tests.parts * left * PIECES_OF_A_PART as f64;
@@ -160,7 +55,7 @@ impl WithSimd for Build<'_, '_> {
                 if !(to - from).any_positive() {
                     continue;
                 }
-                if sensors.lag() {
+                if sensors.lags() {
                     writer.add_behind(&pushed, [from, to]);
                 } else {
                     let next = black_box(pushed.shown(to));
@@ -171,7 +66,7 @@ impl WithSimd for Build<'_, '_> {
             }
             *in_push = writer.pieces.len();
         }
-        if sensors.lag() {
+        if sensors.lags() {
             let HoldRecord { gas, behind } = hold;
             let behind = black_box(behind.insert(BehindLag::new(*gas, sensors.lag, writer.reading)));
             let begin = gas.at_rest / (Lanes::ONE - gas.excess);
@@ -193,8 +88,8 @@ impl WithSimd for Build<'_, '_> {
     }
 }
 
-/// Ends of the hold's pieces behind a lag, of which there are `counts`: in equal ratios from half of the shorter to 13 times the
-/// longer one of lag and relaxation, none after the record's end; the last is that. Of two the first is 13 times the shorter.
+/// Ends of the `counts` pieces of a hold with a lag: a geometric sequence from half of the shorter to 13 times the longer one of lag
+/// and relaxation, limited to the record's length, which is the last end. Of two pieces the first ends at 13 times the shorter.
 #[inline(always)]
 pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, counts: Lanes) -> [Lanes; COUNT] {
     let slowness = rate.recip();
@@ -209,18 +104,18 @@ pub fn hold_ends<const COUNT: usize>(rate: Lanes, lag: Lanes, length: Lanes, cou
     ends
 }
 
-/// Writes piece after piece.
+/// Appends pieces.
 struct Writer<'a> {
     to_powers: &'a ToPowers,
-    sensors: &'a Sensors,
-    /// The reading at the end of the last piece of the push, Pa.
+    sensors: &'a Sensor<Lanes>,
+    /// Reading at the end of the last piece of the push, Pa.
     reading: Lanes,
     pieces: &'a mut Vec<Piece>,
     polynomials: &'a mut Vec<Polynomial>,
 }
 
 impl Writer<'_> {
-    /// A piece of the push between two times of the gas, of sensors that lag.
+    /// Appends a piece of the push between two times of the gas, for lagging sensors.
     #[inline(always)]
     fn add_behind(&mut self, pressure: &impl Curve, times: [Lanes; 2]) {
         let (begin, lag, length) = (self.reading, self.sensors.lag, times[1] - times[0]);
@@ -234,10 +129,10 @@ impl Writer<'_> {
         self.push(times, [begin, self.reading], [(gas[0] - begin) / lag, (end - self.reading) / lag]);
     }
 
-    /// Adds a piece between two times of the gas, with what a sensor without offset and drift shows there.
+    /// Appends a piece between two times of the gas, with the readings there without offset and drift.
     #[inline(always)]
     fn push(&mut self, times: [Lanes; 2], readings: [Lanes; 2], slopes: [Lanes; 2]) {
-        let Sensors { delay, drift, .. } = *self.sensors;
+        let Sensor { delay, drift, .. } = *self.sensors;
         let times = [times[0] + delay, times[1] + delay];
         let shown = [readings[0] + self.sensors.beside(times[0]), readings[1] + self.sensors.beside(times[1])];
         let slopes = [slopes[0] + drift, slopes[1] + drift];
@@ -245,10 +140,10 @@ impl Writer<'_> {
     }
 }
 
-/// The hold's pieces between its turns, where the sensors do not lag.
+/// Appends the pieces of the hold between its turns, for sensors without a lag.
 pub struct HoldPieces<'a> {
     pub hold: &'a HoldRecord,
-    pub sensors: &'a Sensors,
+    pub sensors: &'a Sensor<Lanes>,
     pub corners: [Lanes; 4],
     pub pieces: &'a mut Vec<Piece>,
 }
@@ -267,7 +162,7 @@ impl WithSimd for HoldPieces<'_> {
         for corner in 0..3 {
             let times = [corners[corner], corners[corner + 1]];
             let shown = [shown[corner], shown[corner + 1]];
-            // With slopes of a piece that does not turn.
+            // With the slopes of a piece without a turn.
             pieces.push(black_box(Piece { times, shown, slopes: [Lanes::ZERO; 2] }));
         }
     }

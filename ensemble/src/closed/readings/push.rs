@@ -1,49 +1,49 @@
-//! The gas during the push, and what a lagging sensor has made of it: ∫ e^(−(t1 − t)/τ) P dt/τ, from the start of the push
-//! to a time t1, by 16-point Gauss–Legendre quadrature in √V.
+//! The gas during the push, and the reading of a lagging sensor: ∫ e^(−(t1 − t)/τ) P dt/τ, from the start of the push to a time t1, by
+//! 16-point Gauss–Legendre quadrature in √V.
 //!
-//! The rule takes the exponential over 21 τ to eleven digits and over 16 τ to all, and what is older than 37 τ weighs
-//! nothing: a short lag takes two windows beside the parts of the push, not steps of its own length. Where a window takes
-//! in the whole push, its nodes are those of the parts.
+//! The rule integrates the exponential over 21 τ to eleven digits and over 16 τ to all, and what is older than 37 τ has no weight. So
+//! a short lag needs two windows beside the parts of the push, not steps of the length of the lag. If a window contains the whole
+//! push, its nodes are those of the parts.
 
-use super::sensors::Sensors;
 use crate::closed::test::Tests;
 use crate::filter;
 use crate::lanes::Lanes;
 use crate::numerics::gauss::{NODES, Panel, RULE, node};
 use crate::numerics::root::Curve;
+use crate::sensor::Sensor;
 use chamber::real::Real;
 use core::hint::black_box;
 
 /// Begins and ends of the windows over which the exponential is integrated, in τ before the reading.
 const WINDOWS: [[f64; 2]; 2] = [[37.0, 16.0], [16.0, 0.0]];
 
-/// The pressure during the push over the (negative) time since its end, s, of the gas.
+/// The gas pressure during the push, as a function of the (negative) time since its end, s.
 pub struct PushPressure<'a> {
     tests: &'a Tests,
     /// 1/T at the nodes of its parts.
     nodes: &'a [[Lanes; NODES]],
-    /// 1/T along them; none where nodes are enough for all records.
+    /// 1/T along the parts; empty if the nodes are sufficient for all records.
     panels: &'a [Panel<Lanes>],
-    /// Positive where they are for a record.
+    /// Positive if the nodes are sufficient for a record.
     by_nodes: Lanes,
-    /// √V at the start, its rise, and the reciprocal of the sum of √V at both ends.
+    /// √V at the start, its change, and the reciprocal of the sum of √V at both ends.
     root: Lanes,
     rise: Lanes,
     per_sum: Lanes,
-    /// Reciprocal of the length of the push, 1/s.
+    /// Reciprocal of the duration of the push, 1/s.
     per_push: Lanes,
 }
 
 impl<'a> PushPressure<'a> {
-    /// What is positive where the nodes are enough.
+    /// Positive if the nodes are sufficient.
     #[inline(always)]
-    fn by_nodes(tests: &Tests, sensors: &Sensors) -> Lanes {
-        if sensors.are_late() { Lanes::ZERO } else { sensors.lag * WINDOWS[1][0] - tests.push }
+    fn by_nodes(tests: &Tests, sensors: &Sensor<Lanes>) -> Lanes {
+        if sensors.is_late() { Lanes::ZERO } else { sensors.lag * WINDOWS[1][0] - tests.push }
     }
 
-    /// 1/T along the parts of the push from that at their nodes, where these sensors need it.
+    /// Computes 1/T along the parts of the push from 1/T at their nodes, if these sensors need it.
     #[inline(always)]
-    pub fn panels(tests: &Tests, sensors: &Sensors, nodes: &[[Lanes; NODES]], panels: &mut Vec<Panel<Lanes>>) {
+    pub fn panels(tests: &Tests, sensors: &Sensor<Lanes>, nodes: &[[Lanes; NODES]], panels: &mut Vec<Panel<Lanes>>) {
         panels.clear();
         if Self::by_nodes(tests, sensors).where_positive(Lanes::ZERO, Lanes::ONE).any_positive() {
             for values in nodes {
@@ -52,22 +52,27 @@ impl<'a> PushPressure<'a> {
         }
     }
 
-    /// From 1/T at the nodes of the parts, and along them where [`PushPressure::panels`] has made that.
+    /// The pressure from 1/T at the nodes of the parts and, if [`PushPressure::panels`] has computed it, along them.
     #[inline(always)]
-    pub fn new(tests: &'a Tests, sensors: &Sensors, nodes: &'a [[Lanes; NODES]], panels: &'a [Panel<Lanes>]) -> Self {
+    pub fn new(
+        tests: &'a Tests,
+        sensors: &Sensor<Lanes>,
+        nodes: &'a [[Lanes; NODES]],
+        panels: &'a [Panel<Lanes>],
+    ) -> Self {
         let by_nodes = Self::by_nodes(tests, sensors);
         let [root, end] = [tests.from.sqrt(), tests.to.sqrt()];
         let (per_sum, per_push) = ((root + end).recip(), tests.push.recip());
         Self { tests, nodes, panels, by_nodes, root, rise: end - root, per_sum, per_push }
     }
 
-    /// Time since the end of the push, s, at a share of √V's way.
+    /// Time since the end of the push, s, at a fraction of the change of √V.
     #[inline(always)]
     pub fn time(&self, share: Lanes) -> Lanes {
         self.tests.push * (share * (self.root * 2.0 + self.rise * share) * self.per_sum - 1.0)
     }
 
-    /// Share of √V's way at a time since the end of the push, s, and √V there.
+    /// Fraction of the change of √V at a time since the end of the push, s, and √V there.
     #[inline(always)]
     pub fn share(&self, time: Lanes) -> [Lanes; 2] {
         let way = (time * self.per_push + 1.0) * (self.root * 2.0 + self.rise);
@@ -75,13 +80,13 @@ impl<'a> PushPressure<'a> {
         [way / (root + self.root), root]
     }
 
-    /// The reading at a time since the end of the push, s, of sensors that lag by so many s and showed `before`, Pa, at its start.
+    /// Reading at a time since the end of the push, s, of sensors with a lag, s, that showed `before`, Pa, at its start.
     #[inline(always)]
     pub fn behind(&self, lag: Lanes, until: Lanes, before: Lanes) -> Lanes {
         let parts = self.tests.parts;
         let mut reading = before * filter::kept((until + self.tests.push) / lag);
         for index in 0..self.nodes.len() {
-            // No closures, which would be compiled for any machine.
+            // No closures: they would be compiled without the wide instructions.
             let [begin, end] = [index as f64, (index + 1) as f64];
             let ends = [
                 self.time((Lanes::from(begin) / parts).min(Lanes::ONE)),
@@ -98,7 +103,7 @@ impl<'a> PushPressure<'a> {
         reading
     }
 
-    /// What the pressure between two times in a part of the push adds to that reading, Pa.
+    /// Contribution of the pressure between two times in a part of the push to that reading, Pa.
     #[inline(always)]
     fn fed(&self, part: usize, times: [Lanes; 2], lag: Lanes, until: Lanes) -> Lanes {
         let [begin, end] = [self.share(times[0])[0], self.share(times[1])[0]];
@@ -126,7 +131,7 @@ impl<'a> PushPressure<'a> {
 }
 
 impl PushPressure<'_> {
-    /// The pressure at a time, s, Pa, and its slope, Pa/s: P'/P = −u'/u − V'/V.
+    /// Pressure at a time, s, and its slope, Pa and Pa/s: P'/P = −u'/u − V'/V.
     #[inline(always)]
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
         let Tests { closed, parts, from, to, .. } = self.tests;

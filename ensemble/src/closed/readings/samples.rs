@@ -1,10 +1,11 @@
-//! The samples of records from their peaks on, laid out for the regression.
+//! Lays out the samples of records from their peaks on for the regression.
 
-use super::pieces::{Piece, Push, Shown, hold_ends};
-use super::{Memory, Readings, RecordAnswer};
-use crate::lanes::{Lanes, WIDTH};
-use crate::look::{Look, Question};
+use super::pieces::hold_ends;
+use super::records::{Memory, Readings};
+use super::shown::{Piece, Push, Shown};
+use crate::lanes::Lanes;
 use crate::numerics::root::Curve;
+use crate::query::{Query, Question};
 use crate::regression::Records;
 use crate::regression::relaxing::ENDS;
 use crate::regression::samples::{self, POINTS, SAMPLE_RATE_HZ};
@@ -12,15 +13,15 @@ use chamber::real::Real;
 use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
-/// Pieces of the hold behind a lag in which its samples are summed.
+/// Pieces of the hold with a lag in which its samples are summed.
 const PIECES_BEHIND_A_LAG: usize = 24;
 
 impl Readings<'_> {
-    /// Number of the first sample that counts: the larger of those beside the peak.
-    fn first_samples(&self, answers: &[RecordAnswer; WIDTH]) -> Lanes {
+    /// Number of the first sample: the larger of those beside the peak.
+    fn first_samples(&self, peak_times: Lanes) -> Lanes {
         let push = self.tests.push;
         let push_end = Lanes::from_fn(|lane| samples::from(push[lane]));
-        let after = Lanes::from_fn(|lane| samples::from(push[lane] + answers[lane].peak_time).max(push_end[lane]));
+        let after = Lanes::from_fn(|lane| samples::from(push[lane] + peak_times[lane]).max(push_end[lane]));
         if after == push_end {
             return after;
         }
@@ -32,7 +33,7 @@ impl Readings<'_> {
             };
             let question = Question::Pressures([times.max(Lanes::ZERO); POINTS]);
             let reading = self.gather(holds);
-            Look { times: reading.times, reading, question }.answer(self.arch)[0]
+            Query { times: reading.times, reading, question }.answer(self.arch)[0]
         });
         Lanes::from_fn(|lane| {
             let sign = if self.tests.to[lane] > self.tests.from[lane] { -1.0 } else { 1.0 };
@@ -41,15 +42,14 @@ impl Readings<'_> {
         })
     }
 
-    /// Lays the samples from the peak on out for the regression.
-    pub fn lay_out(&self, answers: &[RecordAnswer; WIDTH], records: &mut Records) {
-        let first = self.first_samples(answers);
-        records.begin_with(first);
+    /// Lays out the samples from the peaks on, whose times, s, are given.
+    pub fn lay_out(&self, peak_times: Lanes, records: &mut Records) {
+        records.begin_with(self.first_samples(peak_times));
         self.arch.dispatch(Sample { readings: self, records });
     }
 }
 
-/// Samples, from the first that counts on, for the regression.
+/// Lays out the samples of all pieces.
 struct Sample<'b, 'a> {
     readings: &'b Readings<'a>,
     records: &'b mut Records,
@@ -67,9 +67,9 @@ impl WithSimd for Sample<'_, '_> {
             let push = polynomials.get(index).map_or(gas, |polynomial| Push::Behind(*black_box(polynomial)));
             self.add(black_box(piece.times), Some(push));
         }
-        // The hold's pieces are as long as from turn to turn.
+        // Not the pieces of the hold, which reach from turn to turn.
         let (rate, length) = (hold.gas.rate, *duration - sensors.delay);
-        let ends: &[Lanes] = if sensors.lag() {
+        let ends: &[Lanes] = if sensors.lags() {
             &hold_ends::<PIECES_BEHIND_A_LAG>(rate, sensors.lag, length, Lanes::from(PIECES_BEHIND_A_LAG as f64))
         } else {
             let slowness = rate.recip();
@@ -96,7 +96,7 @@ impl Sample<'_, '_> {
         let mut pressure = [Lanes::ZERO; POINTS];
         for k in 0..black_box(POINTS) {
             let time = nodes.numbers[k] * (1.0 / SAMPLE_RATE_HZ) - push_end;
-            // Nodes without weight may stand anywhere.
+            // Nodes without weight may lie anywhere.
             pressure[k] = black_box(curve.at(time.max(times[0]).min(times[1])));
         }
         self.records.push(&nodes, &pressure);
