@@ -245,7 +245,7 @@ fn attempt(set: EffectSet, s: &Scenario, relative_tolerance: f64) -> Result<Outc
     let passes = |effect: usize| !matches!(effects::CARDS[effect].balance, Balance::Energy | Balance::Volume);
     let is_open = s.mass_flow_in_kg_per_s + s.mass_flow_out_kg_per_s > 0.0 || on_the_gas.iter().any(passes);
     let flowing = if is_open { lost(-gas_final * inflow * hold).abs() } else { 0.0 };
-    let going_on = flowing + (effects.of(SensorDrift::PLACE)[0] * hold).abs();
+    let going_on = flowing + (effects.of(SensorDrift::INDEX)[0] * hold).abs();
     let distance = (peak - last).abs();
     let settling = run.settling(distance);
     let [at_rest, tight] = [to_come.abs(), going_on].map(|change| change <= 0.01 * distance);
