@@ -119,7 +119,7 @@ mod tests {
         let bent =
             |amplitude| said(&|recipe| recipe.faults.position_wave = Some(Wave { amplitude, angles: [0.0, TAU] }));
         assert_eq!([bent(0.0), bent(2e-4)], [None, None]);
-        assert!(bent(1e-3).is_some_and(|said| said.contains("0.1 % of their way")));
+        assert!(bent(1e-3).is_some_and(|said| said.contains("0.1 % of their range")));
         assert_eq!(said(&|recipe| *recipe = recipe.clone().with("leakage", &[2e-11])), None);
     }
 
