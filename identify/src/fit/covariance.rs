@@ -54,6 +54,8 @@ impl Undetermined {
     }
 }
 
+/// Relative standard deviation above which the data hardly determine a parameter.
+pub const HARDLY_DETERMINED: f64 = 0.33;
 /// Two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_985;
 
@@ -286,9 +288,8 @@ pub fn estimate<S>(axis: &Axis<S>, x: f64, variance: f64, unit: &str) -> Estimat
     Estimate { value: axis.value(x), ci95: [bounded(x - half), bounded(x + half)], unit: unit.to_owned() }
 }
 
-/// Directions with a relative standard deviation above 0.33: parameters, or sums and differences of them.
+/// Directions that the data hardly determine ([`HARDLY_DETERMINED`]): parameters, or sums and differences of them.
 pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
-    const TOO_WIDE: f64 = 0.33;
     let h = &fit.hypothesis;
     let free: Vec<usize> = (0..fit.rig.len()).filter(|&i| !fit.at_bound[i]).collect();
     // In units of each parameter's own size: d ln value, or d value/size.
@@ -303,7 +304,7 @@ pub fn undetermined(fit: &Fit) -> Vec<Undetermined> {
     (0..n)
         .filter_map(|k| {
             let deviation = 1.0 / eigen.eigenvalues[k].max(1e-300).sqrt();
-            (deviation > TOO_WIDE).then(|| {
+            (deviation > HARDLY_DETERMINED).then(|| {
                 let vector = eigen.eigenvectors.column(k);
                 let parameters = (0..n)
                     .filter(|&i| vector[i].abs() > 0.2)

@@ -1,10 +1,10 @@
 //! Intervals of parameters that several sets of effects have, where the data cannot tell the sets apart, or where a further
 //! effect is evident but removes too little misfit to be named.
 //!
-//! A chosen set that leaves more than noise lacks something, and what it lacks shows in many blocks alike. They tell as much as fewer
-//! independent ones ([`covariance::design_effect`]). With the evidence of so few, all credible sets of the search count as rivals: the
-//! missing effect may have moved the chosen set's parameters by as much as the sets differ. Source: F. Pauli, W. Racugno and L. Ventura,
-//! Stat. Sinica 21 (2011) 149 (likelihood of correlated data, raised to the power 1/c).
+//! A chosen set that leaves more than noise lacks something, and what it lacks shows in many blocks alike: they tell as much as fewer
+//! independent ones ([`covariance::design_effect`]). With the evidence of so few, all credible sets of the search that determine λ0
+//! count as rivals: the missing effect may have moved the chosen set's parameters by as much as the sets differ. Source: F. Pauli,
+//! W. Racugno and L. Ventura, Stat. Sinica 21 (2011) 149 (likelihood of correlated data, raised to the power 1/c).
 //!
 //! Such a parameter follows the mixture of the sets' distributions, each weighted by its odds ([`probability::odds`]); its 95 %
 //! interval is that of the mixture, and includes that of the chosen set, whose value stays. Source: J. A. Hoeting
@@ -20,10 +20,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The chosen set's parameters with their intervals over all sets that can take its place.
 pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise: bool) -> Estimates {
-    let others: Vec<(f64, Estimates)> = rivals(found, leaves_noise)
-        .into_iter()
-        .map(|(odds, c)| (odds, parameters(data, &c.fit, leaves_noise)))
-        .collect();
+    let others = rivals(data, found, leaves_noise);
     for (name, number) in &mut numbers {
         let same = |(weight, of_set): &(f64, Estimates)| {
             of_set.iter().find(|(other, _)| other == name).map(|(_, estimate)| (*weight, estimate.clone()))
@@ -39,18 +36,26 @@ pub fn widened(mut numbers: Estimates, data: &Data, found: &Found, leaves_noise:
     numbers
 }
 
-/// The sets that can take the chosen one's place, each with its odds against that: at most one, since a set with more evidence that was
-/// not chosen predicts left-out data no better.
-fn rivals(found: &Found, leaves_noise: bool) -> Vec<(f64, &Candidate)> {
+/// Parameters of the sets that can take the chosen one's place, with each set's odds against that one: at most one, since a set
+/// with more evidence that was not chosen predicts left-out data no better.
+fn rivals(data: &Data, found: &Found, leaves_noise: bool) -> Vec<(f64, Estimates)> {
     let chosen = &found.chosen;
+    let numbers = |c: &Candidate| parameters(data, &c.fit, leaves_noise);
     if leaves_noise {
         let odds = |c: &Candidate| probability::odds((c.delta_bic - chosen.delta_bic).min(0.0));
-        return alike(found).chain(found.evident_beside_chosen()).map(|c| (odds(c), c)).collect();
+        return alike(found).chain(found.evident_beside_chosen()).map(|c| (odds(c), numbers(c))).collect();
     }
     let design_effect = covariance::design_effect(&chosen.fit);
     let bic = |c: &Candidate| evidence::bic_of_correlated(&c.fit, design_effect);
     let odds = |c: &Candidate| probability::odds((bic(chosen) - bic(c)).min(0.0));
-    found.credible_sets().filter(|c| c.model != chosen.model).map(|c| (odds(c), c)).collect()
+    let others = found.credible_sets().filter(|c| c.model != chosen.model);
+    others.map(|c| (odds(c), numbers(c))).filter(|(_, numbers)| determine_lambda0(numbers)).collect()
+}
+
+/// Whether λ0, the first of these parameters, is determined: a set in which it is not says nothing about it.
+fn determine_lambda0(numbers: &Estimates) -> bool {
+    let [low, high] = numbers[0].1.ci95;
+    (high / low).ln() < 2.0 * NORMAL_95 * covariance::HARDLY_DETERMINED
 }
 
 /// The sets that the data cannot tell from the chosen one.
