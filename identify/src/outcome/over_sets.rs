@@ -48,11 +48,13 @@ fn rivals(data: &Data, found: &Found, leaves_noise: bool) -> Vec<(f64, Estimates
     let design_effect = covariance::design_effect(&chosen.fit);
     let bic = |c: &Candidate| evidence::bic_of_correlated(&c.fit, design_effect);
     let odds = |c: &Candidate| probability::odds((bic(chosen) - bic(c)).min(0.0));
-    let others = found.credible_sets().filter(|c| c.model != chosen.model);
-    others.map(|c| (odds(c), numbers(c))).filter(|(_, numbers)| determine_lambda0(numbers)).collect()
+    let counts = |c: &Candidate, of_set: &Estimates| found.alike.contains(&c.model) || determine_lambda0(of_set);
+    let others = found.credible_sets().filter(|c| c.model != chosen.model).map(|c| (c, numbers(c)));
+    others.filter(|(c, of_set)| counts(c, of_set)).map(|(c, of_set)| (odds(c), of_set)).collect()
 }
 
-/// Whether λ0, the first of these parameters, is determined: a set in which it is not says nothing about it.
+/// Whether λ0, the first of these parameters, is determined. Where it is not, the set says nothing about it, unless the data cannot tell
+/// it from the chosen one.
 fn determine_lambda0(numbers: &Estimates) -> bool {
     let [low, high] = numbers[0].1.ci95;
     (high / low).ln() < 2.0 * NORMAL_95 * covariance::HARDLY_DETERMINED
