@@ -270,8 +270,7 @@ pub fn profile_variance(fit: &Fit, coordinate: usize) -> f64 {
     let Some(index) = indices.iter().position(|&i| i == coordinate) else { return 0.0 };
     let n = indices.len();
     let inverse = inverse(&DMatrix::from_fn(n, n, |i, j| fit.information[(indices[i], indices[j])]));
-    let misfit = (fit.marginal / (fit.blocks as f64 - n as f64).max(1.0)).max(1.0);
-    inverse.map_or(0.0, |inverse| inverse[(index, index)] * misfit)
+    inverse.map_or(0.0, |inverse| inverse[(index, index)] * excess(fit, n))
 }
 
 /// Covariance of the values of the rig's free parameters, in their units, row by row.

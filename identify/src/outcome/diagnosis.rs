@@ -186,7 +186,7 @@ impl Diagnosis {
 
 /// A diagnosis with the data that a report draws.
 pub struct Diagnosed {
-    /// The result.
+    /// What the JSON file and the report state.
     pub diagnosis: Diagnosis,
     /// The prepared data.
     pub data: Data,

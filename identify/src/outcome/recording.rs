@@ -62,7 +62,7 @@ impl NoiseFound {
 pub struct RecordFound {
     /// File of the trace.
     pub trace: String,
-    /// Its parameters.
+    /// Per-record parameters with their 95 % intervals.
     #[serde(serialize_with = "as_map")]
     pub parameters: Estimates,
     /// Its rms error, Pa.

@@ -113,7 +113,7 @@ impl RecordSlot {
 /// A coordinate x of the fit: value = scale · x, or scale · eˣ.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis<S = Slot> {
-    /// The parameter.
+    /// What the coordinate sets.
     pub slot: S,
     /// Whether it is logarithmic.
     pub logarithmic: bool,

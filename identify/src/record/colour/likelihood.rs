@@ -412,12 +412,16 @@ mod tests {
             .collect()
     }
 
+    /// Likelihood of noise in windows of single records, each free of a polynomial with this number of coefficients.
+    fn of(windows: &[Window], free: usize) -> Likelihood<'_> {
+        Likelihood { windows, free, fewest_periods: 0.5, are_contrasts: false, least_pa: 0.0 }
+    }
+
     #[test]
     fn white_noise_has_no_colour_and_no_line() {
         let mut random = Random::new(1);
         let windows = windows_of(|_| 80.0 * random.normal());
-        let likelihood =
-            Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, are_contrasts: false, least_pa: 0.0 };
+        let likelihood = of(&windows, 0);
         let white = likelihood.scaled(&Noise::white(1.0));
         assert!((white.1.white_pa / 80.0 - 1.0).abs() < 0.03);
         assert!(likelihood.with_another_colour(&white.1, 6.0).0 > white.0 - 12.0);
@@ -436,8 +440,7 @@ mod tests {
             };
             state + 40.0 * random.normal()
         });
-        let likelihood =
-            Likelihood { windows: &windows, free: 0, fewest_periods: 0.5, are_contrasts: false, least_pa: 0.0 };
+        let likelihood = of(&windows, 0);
         let white = likelihood.scaled(&Noise::white(1.0));
         let (deviance, found) = likelihood.with_another_colour(&white.1, 6.0);
         assert!(deviance < white.0 - 1000.0);
@@ -458,13 +461,7 @@ mod tests {
                 Window { values, distance_s: ROW_S, averaged: 1, in_common: Vec::new() }
             })
             .collect();
-        let likelihood = Likelihood {
-            windows: &windows,
-            free: FREE_IN_CONTRAST,
-            fewest_periods: 0.5,
-            are_contrasts: false,
-            least_pa: 0.0,
-        };
+        let likelihood = of(&windows, FREE_IN_CONTRAST);
         let coloured = likelihood.coloured(likelihood.scaled(&Noise::white(1.0)), 10.0);
         assert_eq!(coloured.1.colours.len(), 1, "{coloured:?}");
         let found = likelihood.best(&Noise::white(1.0), 10.0, 10.0);
@@ -497,13 +494,7 @@ mod tests {
     fn short_windows_show_the_wander_of_flicker_noise_over_a_record() {
         let times_s: Vec<f64> = (0..8).map(|k| 0.02 * 10f64.powf(0.5 * f64::from(k))).collect();
         let windows = coloured_windows(&times_s, 6);
-        let likelihood = Likelihood {
-            windows: &windows,
-            free: FREE_ALONE,
-            fewest_periods: 0.5,
-            are_contrasts: false,
-            least_pa: 0.0,
-        };
+        let likelihood = of(&windows, FREE_ALONE);
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert!(found.flickers(), "{found:?}");
         // 40 Pa in each half decade.
@@ -514,13 +505,7 @@ mod tests {
     #[test]
     fn noise_of_one_correlation_time_does_not_flicker() {
         let windows = coloured_windows(&[0.05; 8], 7);
-        let likelihood = Likelihood {
-            windows: &windows,
-            free: FREE_ALONE,
-            fewest_periods: 0.5,
-            are_contrasts: false,
-            least_pa: 0.0,
-        };
+        let likelihood = of(&windows, FREE_ALONE);
         let found = likelihood.best(&Noise::white(1.0), likelihood.longest_s(), 60.0);
         assert_eq!(found.colours.len(), 1, "{found:?}");
         assert!((found.coloured_pa() / (40.0 * 8f64.sqrt()) - 1.0).abs() < 0.1, "{found:?}");
@@ -568,13 +553,7 @@ mod tests {
     fn hum_is_found_by_its_frequency() {
         let mut random = Random::new(3);
         let windows = windows_of(|i| 120.0 * (TAU * 1.3 * ROW_S * i as f64 + 0.4).sin() + 60.0 * random.normal());
-        let likelihood = Likelihood {
-            windows: &windows,
-            free: FREE_ALONE,
-            fewest_periods: 0.5,
-            are_contrasts: false,
-            least_pa: 0.0,
-        };
+        let likelihood = of(&windows, FREE_ALONE);
         let white = likelihood.scaled(&Noise::white(1.0));
         let hum = likelihood.line(&white.1).unwrap();
         assert!((hum.frequency_hz - 1.3).abs() < 0.1, "{hum:?}");
