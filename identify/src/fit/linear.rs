@@ -164,14 +164,14 @@ fn priors(hypothesis: &Hypothesis, rig: &[f64], stated: usize) -> Option<Linear>
     if known.is_empty() {
         return None;
     }
-    let bends = hypothesis.bends();
-    let mut by_rig = DMatrix::zeros(known.len() + bends.len(), rig.len() + stated);
+    let combinations = hypothesis.combinations();
+    let mut by_rig = DMatrix::zeros(known.len() + combinations.len(), rig.len() + stated);
     let mut residual = Vec::with_capacity(known.len());
     for (row, (i, [mean, sd])) in known.into_iter().enumerate() {
         residual.push((mean - rig[i]) / sd);
         by_rig[(row, i)] = 1.0 / sd;
     }
-    for (combination, sd) in bends {
+    for (combination, sd) in combinations {
         let row = residual.len();
         residual.push(-combination.iter().map(|(i, weight)| weight * rig[*i]).sum::<f64>() / sd);
         combination.iter().for_each(|(i, weight)| by_rig[(row, *i)] = weight / sd);

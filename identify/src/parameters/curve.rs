@@ -3,7 +3,7 @@
 use super::axis::{Axis, Slot};
 use super::sizes::Sizes;
 use chamber::Chamber;
-use chamber::effects::empirical::{Curve, Empirical, Term, Variable};
+use chamber::effects::empirical::{Curve, Empirical, Term};
 
 /// The curve that a chamber's effect represents, if any.
 pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
@@ -13,13 +13,13 @@ pub fn curve_of(effect: usize, chamber: &Chamber) -> Option<Curve> {
 /// Prior standard deviation of a curve's value from the straight line through its neighbours, relative to the largest value.
 const BEND: f64 = 0.04;
 
-/// Prior standard deviation of a share of λ where the piston stands. λ0 is that of the standing piston: a share that is the same
-/// everywhere would only shift λ0 the other way.
-const SHARE_AT_REST: f64 = 0.01;
+/// Prior standard deviation of a share of λ where λ0 is defined. A share that is the same everywhere would only shift λ0 the other
+/// way.
+const SHARE_AT_LAMBDA0: f64 = 0.01;
 
-/// The coordinate of a curve's value at a knot, scaled by a large value for this rig, which is its prior standard deviation. That
+/// The coordinate of a value of a curve, scaled by a large value for this rig, which is its prior standard deviation. That
 /// decides what the records leave open.
-pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> Axis {
+pub fn axis_of_value(curve: &Curve, slot: Slot, sizes: &Sizes) -> Axis {
     let any = [-1e6, 1e6];
     let (scale, bounds) = match curve.term {
         // What 60 K between gas and wall drive, plus 0.15 of the piston's power.
@@ -31,22 +31,41 @@ pub fn axis_of_value(curve: &Curve, knot: usize, slot: Slot, sizes: &Sizes) -> A
         Term::VolumeShare => (0.06, [-10.0, 20.0]),
         Term::Reading => (0.06 * sizes.pressure, any),
     };
-    let is_share_at_rest =
-        curve.term == Term::CoefficientShare && curve.variable == Variable::Velocity && curve.knots[knot] == 0.0;
-    let deviation = if is_share_at_rest { SHARE_AT_REST } else { 1.0 };
-    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, deviation]) }
+    Axis { slot, logarithmic: false, scale, bounds, prior: Some([0.0, 1.0]) }
 }
 
-/// Combinations of axes whose prior mean is zero, with their standard deviations: the deviation of each value of a curve from the
-/// straight line through its neighbours. Where nothing is measured a curve thus continues straight. A knot at zero is exempt:
-/// laws have corners where their variable changes its sign.
-pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
-    let Some((curve, first)) = axes.iter().enumerate().find_map(|(i, axis)| match axis.slot {
+/// Axes with weights whose sum has prior mean zero, and its standard deviation.
+pub type Combination = (Vec<(usize, f64)>, f64);
+
+/// What is known of a curve beside the size of its values: its bends and, for a share of λ, its level.
+pub fn combinations(axes: &[Axis], base: &Chamber) -> Vec<Combination> {
+    let of_curve = |(i, axis): (usize, &Axis)| match axis.slot {
         Slot::Effect(e, _) => Some((curve_of(e, base)?, i)),
         _ => None,
-    }) else {
-        return Vec::new();
     };
+    let Some((curve, first)) = axes.iter().enumerate().find_map(of_curve) else { return Vec::new() };
+    let mut out = bends(&curve, first, axes);
+    out.extend(level(&curve, first));
+    out
+}
+
+/// The share of λ at λ0, which is the coefficient of a standing piston, of gas at the temperature of the wall, or the mean over the
+/// range of any other variable.
+fn level(curve: &Curve, first: usize) -> Option<Combination> {
+    if curve.term != Term::CoefficientShare {
+        return None;
+    }
+    let count = curve.knots.len();
+    let weights = match curve.knots.iter().position(|knot| *knot == 0.0) {
+        Some(zero) => vec![(first + zero, 1.0)],
+        None => (0..count).map(|k| (first + k, 1.0 / count as f64)).collect(),
+    };
+    Some((weights, SHARE_AT_LAMBDA0))
+}
+
+/// The deviation of each value of a curve from the straight line through its neighbours. Where nothing is measured a curve thus
+/// continues straight. A knot at zero is exempt: laws have corners where their variable changes its sign.
+fn bends(curve: &Curve, first: usize, axes: &[Axis]) -> Vec<Combination> {
     // In coordinates: the size of the curve found by a first fit, or else one (a large value).
     let sizes = curve.values.iter().zip(&axes[first..]).map(|(value, axis)| (value / axis.scale).abs());
     let size = Some(sizes.fold(0.0, f64::max)).filter(|size| *size > 0.0).unwrap_or(1.0);
@@ -54,7 +73,7 @@ pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
     let bend = |k: usize| {
         let share = (knots[k + 1] - knots[k]) / (knots[k + 2] - knots[k]);
         let at = |k: usize, weight: f64| (first + k, weight);
-        ([at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
+        (vec![at(k, share - 1.0), at(k + 1, 1.0), at(k + 2, -share)], BEND * size)
     };
     let inner = (0..knots.len().saturating_sub(2)).filter(|k| knots[k + 1] != 0.0);
     inner.map(bend).collect()
@@ -63,20 +82,19 @@ pub fn bends(axes: &[Axis], base: &Chamber) -> Vec<([(usize, f64); 3], f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::first_chamber;
-    use crate::record::data::Data;
-    use crate::synthetic::Recipe;
+    use chamber::effects::empirical::Variable;
 
     #[test]
-    fn a_missing_share_of_the_coefficient_is_zero_at_rest_and_all_other_values_of_a_curve_are_free() {
-        let data = Data::prepare(&Recipe { repeats: 1, ..Recipe::from_seed(5) }.rig()).unwrap();
-        let sizes = Sizes::of(&data, &first_chamber(&data));
-        let deviations = |term, variable| {
-            let curve = Curve { term, variable, knots: vec![-0.5, 0.0, 0.5], values: vec![0.0; 3] };
-            [0, 1, 2].map(|knot| axis_of_value(&curve, knot, Slot::Effect(0, knot), &sizes).prior.unwrap()[1])
+    fn a_missing_share_of_the_coefficient_is_zero_where_lambda0_is_defined() {
+        let level_of = |term, variable, knots: &[f64]| {
+            level(&Curve { term, variable, knots: knots.to_vec(), values: vec![0.0; 3] }, 4).map(|(weights, _)| weights)
         };
-        assert_eq!(deviations(Term::CoefficientShare, Variable::Velocity), [1.0, SHARE_AT_REST, 1.0]);
-        assert_eq!(deviations(Term::CoefficientShare, Variable::TemperatureDifference), [1.0; 3]);
-        assert_eq!(deviations(Term::HeatFlow, Variable::Velocity), [1.0; 3]);
+        let share = Term::CoefficientShare;
+        assert_eq!(level_of(share, Variable::Velocity, &[-0.5, 0.0, 0.5]), Some(vec![(5, 1.0)]));
+        assert_eq!(level_of(share, Variable::TemperatureDifference, &[0.0, 20.0, 50.0]), Some(vec![(4, 1.0)]));
+        let third = 1.0 / 3.0;
+        let mean = Some(vec![(4, third), (5, third), (6, third)]);
+        assert_eq!(level_of(share, Variable::Pressure, &[1e5, 2e5, 4e5]), mean);
+        assert_eq!(level_of(Term::HeatFlow, Variable::Velocity, &[-0.5, 0.0, 0.5]), None);
     }
 }

@@ -1,7 +1,7 @@
 //! A model on a rig: its free parameters, and the setting with which each record is simulated.
 
 use super::axis::{Axis, RecordSlot, Slot};
-use super::curve::{self, axis_of_value, curve_of};
+use super::curve::{self, Combination, axis_of_value, curve_of};
 use super::model::{Model, RecordStart, delays_position, delays_pressure};
 use super::sizes::{Sizes, is_decay};
 use super::stated::{REST_DEVIATION_K, WALL_DEVIATION_K, stated};
@@ -80,8 +80,8 @@ impl Hypothesis {
                 (Fitted::Always, _) => !(is_delayed && delays_position(e) && model.secondary.has(e)),
             };
             for (p, parameter) in CARDS[e].parameters.iter().enumerate().filter(|(_, p)| free(p)) {
-                if let (Some(curve), Kind::ListEntry { index, .. }) = (curve_of(e, base), parameter.kind) {
-                    axes.push(axis_of_value(&curve, index, Slot::Effect(e, p), sizes));
+                if let (Some(curve), Kind::ListEntry { .. }) = (curve_of(e, base), parameter.kind) {
+                    axes.push(axis_of_value(&curve, Slot::Effect(e, p), sizes));
                     continue;
                 }
                 let (logarithmic, scale, mut bounds) = coordinates_of(parameter, sizes);
@@ -154,9 +154,9 @@ impl Hypothesis {
         }
     }
 
-    /// Combinations of axes whose prior mean is zero, with their standard deviations: a curve continues straight.
-    pub fn bends(&self) -> Vec<([(usize, f64); 3], f64)> {
-        curve::bends(&self.axes, &self.base)
+    /// Combinations of axes whose prior mean is zero: those of a curve.
+    pub fn combinations(&self) -> Vec<Combination> {
+        curve::combinations(&self.axes, &self.base)
     }
 
     /// The coordinates of a chamber's parameters.

@@ -94,7 +94,7 @@ struct JudgedCurve {
 }
 
 impl JudgedCurve {
-    /// Whether its coefficient is plausible for a gas. A share of λ leaves λ0 open, so that any value may result.
+    /// Whether its coefficient is plausible for a gas: a curve can take the place of most of the heat transfer.
     fn is_possible(&self) -> bool {
         has_plausible_coefficient(&self.candidate.fit)
     }

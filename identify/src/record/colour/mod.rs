@@ -10,12 +10,14 @@
 //! (1977) 320 (restricted likelihood); M. S. Keshner, Proc. IEEE 70 (1982) 212 (1/f noise).
 
 mod likelihood;
+mod rests;
 mod windows;
 
 use crate::policy::DECISIVE;
 use crate::record::data::{Data, Prepared};
 use crate::record::noise::{Hum, Noise};
 use likelihood::{COHERENT, Likelihood, scale_by};
+use rests::Rests;
 use windows::{Window, quiet_rows, window, windows, without_outlying_windows};
 
 /// Number of coefficients of the polynomial that a window of a single record is free of.
@@ -33,6 +35,9 @@ const FEWEST_PERIODS: f64 = 2.0;
 /// misses the moves would pass for a hum in the holds behind them.
 const FEWEST_SEEN: f64 = 1.0;
 
+/// Multiple of the variance of rounding beyond which coloured noise moves readings over their steps, though not from each reading
+/// to the next.
+const BEYOND_ROUNDING: f64 = 2.0;
 /// Largest slow noise, as a fraction of the range of a record's pressures: a sensor that wanders or hums by a twentieth of what
 /// it measures is broken, and a model that lacks an open port, or has a wrong unit, leaves as much.
 const MOST_OF_RANGE: f64 = 0.05;
@@ -42,9 +47,13 @@ const MOST_OF_RANGE: f64 = 0.05;
 pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let (mut windows, are_contrasts) = windows(data, residuals, before.white_pa);
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    let sticks = before.sticks && !(are_contrasts && exceeds_rounding(&windows, before.rounding_pa()));
+    let rests = Rests::of(data, residuals, before.white_pa);
+    let leaves_steps = match are_contrasts {
+        true => exceeds_rounding(&windows, before.rounding_pa()),
+        false => rests.exceed_rounding(before.rounding_pa()),
+    };
     // What a sticking sensor shows between its steps is rounding, which is modelled separately.
-    if sticks || points < FEWEST_POINTS {
+    if before.sticks && !leaves_steps || points < FEWEST_POINTS {
         return before.clone();
     }
     while windows.iter().map(|w| w.values.len()).sum::<usize>() > MOST_POINTS && windows.len() > 1 {
@@ -60,6 +69,12 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let longest_s = if are_contrasts { record_s } else { likelihood.longest_s() };
     let hum = if are_contrasts { None } else { slow_hum(data, residuals, &start) };
     let mut noise = likelihood.best(&Noise { hum, ..start.clone() }, longest_s, record_s);
+    if !are_contrasts {
+        if noise.hum.is_some() && !rests.allow(&Noise { colours: Vec::new(), ..noise.clone() }) {
+            noise = Likelihood { fewest_periods: f64::INFINITY, ..likelihood }.best(&start, longest_s, record_s);
+        }
+        noise = rests.limit(noise);
+    }
     if noise.coloured_pa() > MOST_OF_RANGE * data.pressure_range_pa() {
         return start;
     }
@@ -72,11 +87,10 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     noise
 }
 
-/// Whether repeats differ by more than twice the variance of rounding: then coloured noise moves the readings over their steps,
-/// though not from each reading to the next.
+/// Whether repeats differ by more than [`BEYOND_ROUNDING`].
 fn exceeds_rounding(windows: &[Window], rounding_pa: f64) -> bool {
     let points: usize = windows.iter().map(|w| w.values.len()).sum();
-    windows.iter().map(Window::squares).sum::<f64>() > 2.0 * rounding_pa * rounding_pa * points as f64
+    windows.iter().map(Window::squares).sum::<f64>() > BEYOND_ROUNDING * rounding_pa * rounding_pa * points as f64
 }
 
 /// Hum that whole rests and holds of single records show: a short window covers less than a period of it.
