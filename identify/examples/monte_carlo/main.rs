@@ -15,7 +15,7 @@ use identify::fit::{self, Fit, Linear};
 use identify::judge::misfit;
 use identify::outcome::{diagnosis, estimates};
 use identify::parameters::{Model, Sizes, names};
-use identify::record::block::Block;
+use identify::record::blocks::Block;
 use identify::record::data::{Data, Prepared};
 use identify::search::{self, Found, Verdict, baseline, reweighting, starts};
 use identify::synthetic::visibility;

@@ -3,8 +3,8 @@
 use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
-use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
+use crate::record::reconstruction::between_rows::SensorTiming;
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectValues, ForcedConvection};
 use nalgebra::{DMatrix, DVector};

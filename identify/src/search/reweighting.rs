@@ -6,8 +6,9 @@ use super::{Candidate, Search, baseline, sort, terms};
 use crate::fit::{self, Fit, Until};
 use crate::judge::{adequacy, evidence, left_out, misfit};
 use crate::policy;
+use crate::record::colour;
 use crate::record::data::Data;
-use crate::record::{colour, outliers};
+use crate::record::plausibility::outliers;
 use rayon::prelude::*;
 
 /// The data as a fit shows them, with the noise of its residual if `tells_noise` or if that is far less than what was taken for
