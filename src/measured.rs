@@ -8,8 +8,10 @@ use chamber::signals::Signals;
 use chamber::simulate::{Sample, Start};
 use fmu::package::validation::Validation;
 use identify::record::data::{Data, Prepared};
+use identify::record::far_off;
+use identify::record::plausibility::checks;
+use identify::record::plausibility::outliers;
 use identify::record::unit::Declared;
-use identify::record::{checks, far_off, outliers};
 use records::{Model, Rig, Trace};
 use std::collections::HashMap;
 

@@ -30,7 +30,7 @@ macro_rules! each_derivative {
 /// A value and its derivatives with respect to `N` parameters, twelve at the most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
-    /// The value.
+    /// What the same calculation with plain numbers gives.
     pub value: f64,
     /// Derivatives with respect to the N independent variables.
     pub tangent: [f64; N],

@@ -51,7 +51,7 @@ pub enum IntegrationError {
     TooManySteps {
         /// Time reached, s.
         at: f64,
-        /// The limit.
+        /// Most steps allowed in this call, [`MAX_STEPS`] unless set otherwise.
         limit: usize,
     },
 }

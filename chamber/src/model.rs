@@ -9,7 +9,7 @@ use crate::real::Real;
 /// All constants of one chamber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chamber<R = f64> {
-    /// Its gas.
+    /// Specific gas constant and heat capacity ratio.
     pub gas: Gas<R>,
     /// Bore, rod and dead volume.
     pub geometry: Geometry<R>,

@@ -7,7 +7,7 @@ use crate::scenario::Scenario;
 
 /// The end of a test in terms of the gas temperature, or of whatever else the pressure during the hold is proportional to.
 pub struct Ending<'a> {
-    /// The test.
+    /// Geometry, times and ambient conditions of the test, as the caller stated them.
     pub scenario: &'a Scenario,
     /// Final temperature of the wall, K.
     pub wall: f64,

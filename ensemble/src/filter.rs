@@ -82,7 +82,7 @@ impl ToPowers {
 
 /// e^(−w): the fraction of a lagging sensor's reading that is left after w time constants.
 #[inline(always)]
-pub fn kept<R: Real>(w: R) -> R {
+pub fn decay_factor<R: Real>(w: R) -> R {
     (-w.min(R::from(700.0))).exp()
 }
 
@@ -132,7 +132,7 @@ impl<R: Real> Lagged<R> {
     #[inline(always)]
     pub fn at(&self, x: R) -> R {
         let w = self.stiffness * x;
-        let faded = kept(w);
+        let faded = decay_factor(w);
         let shares = shares(w, faded);
         let (mut power, mut reading) = (R::ONE, self.begin * faded);
         for k in 0..TERMS {

@@ -6,7 +6,7 @@
 //! | row | solved by | in |
 //! |---|---|---|
 //! | sealed, no effects | the closed form | `closed::rows` |
-//! | effects that keep the closed form | the closed form with other constants, or with a modified integrand | `closed::kept` |
+//! | effects that keep the closed form | the closed form with other constants, or with a modified integrand | `closed::with_effects` |
 //! | either of these, read by a sensor with effects | the same, filtered | `closed::readings` |
 //! | sealed, integrator requested | one equation | `systems::sealed` |
 //! | wall heating only | two equations; their Taylor series in the hold | `systems::wall_heating` |
@@ -138,4 +138,4 @@ impl Kernel {
 }
 
 /// The effects that rule out the closed form, as constant flows do.
-pub const WITHOUT_CLOSED_FORM: EffectSet = sets::on_the_gas(EffectSet::ALL).without(closed::kept::EFFECTS);
+pub const WITHOUT_CLOSED_FORM: EffectSet = sets::on_the_gas(EffectSet::ALL).without(closed::with_effects::EFFECTS);

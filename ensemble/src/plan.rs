@@ -1,7 +1,7 @@
-//! Checks a scenario's numbers and cuts it into stretches of time over which its boundary is linear: the push and the hold, each cut
+//! Checks a scenario's numbers and cuts it into spans of time over which its boundary is linear: the push and the hold, each cut
 //! once more if the record is delayed.
 
-use crate::integrator::clock::Clock;
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::outcome::Failure;
 use crate::scenario::Scenario;
 use chamber::balance::Boundary;
@@ -9,24 +9,29 @@ use chamber::effects::{self, EffectSet};
 
 /// A part of a test over which its boundary is linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Time of the record at which it shows the stretch's start, s.
+pub struct TimeSpan {
+    /// Time of the record at which it shows the span's start, s.
     pub elapsed: f64,
     /// Duration, s.
     pub length: f64,
     /// Boundary at its start; the position changes with the velocity.
     pub start: Boundary,
-    /// The integrator's clock.
-    pub clock: Clock,
+    /// The integrator's transformation of time.
+    pub transformation: TimeTransformation,
 }
 
-impl Stretch {
-    /// A stretch of `length`, s, that starts at a position, m, with a velocity, m/s.
+impl TimeSpan {
+    /// A span of `length`, s, that starts at a position, m, with a velocity, m/s.
     fn new(s: &Scenario, position: f64, velocity: f64, length: f64) -> Self {
-        Self { elapsed: 0.0, length, start: s.boundary(position, velocity), clock: Clock::default() }
+        Self {
+            elapsed: 0.0,
+            length,
+            start: s.boundary(position, velocity),
+            transformation: TimeTransformation::default(),
+        }
     }
 
-    /// Boundary a time `t`, s, after the stretch's start.
+    /// Boundary a time `t`, s, after the span's start.
     pub fn boundary(&self, t: f64) -> Boundary {
         Boundary { position: self.start.position + self.start.velocity * t, ..self.start }
     }
@@ -37,13 +42,13 @@ impl Stretch {
 pub struct Plan {
     /// Active effects.
     pub active: EffectSet,
-    /// Stretches from the start to the end of the test.
-    pub stretches: Vec<Stretch>,
-    /// Half-open range of the stretches that the record shows between the end of the push and the end of the test.
+    /// Spans from the start to the end of the test.
+    pub spans: Vec<TimeSpan>,
+    /// Half-open range of the spans that the record shows between the end of the push and the end of the test.
     pub window: [usize; 2],
-    /// The first stretch after the push.
+    /// The first span after the push.
     pub hold: usize,
-    /// Whether it starts where its heat transfer law has no power series; the first clock is bent then.
+    /// Whether it starts where its heat transfer law has no power series; the first transformation is bent then.
     pub starts_singular: bool,
 }
 
@@ -58,42 +63,42 @@ pub fn starts_singular(active: EffectSet, scenario: &Scenario) -> bool {
 }
 
 /// Push and hold, each of them cut at most once.
-pub const MOST_STRETCHES: usize = 4;
+pub const MOST_SPANS: usize = 4;
 
 impl Plan {
-    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into stretches.
+    /// Checks a scenario with these active effects, all of them in `set`, and cuts it into spans.
     pub fn new(set: EffectSet, active: EffectSet, scenario: &Scenario) -> Result<Self, Failure> {
         check(set, active, scenario)?;
         let &Scenario { push_time_s: push_end, duration_s: duration, .. } = scenario;
         let delay = scenario.chamber.effects.delay(active);
         let [from, to] = [scenario.initial_position_m, scenario.final_position_m];
-        let mut stretches = Vec::with_capacity(MOST_STRETCHES);
-        stretches.push(Stretch::new(scenario, from, (to - from) / push_end, push_end));
-        stretches.push(Stretch::new(scenario, to, 0.0, duration - push_end));
+        let mut spans = Vec::with_capacity(MOST_SPANS);
+        spans.push(TimeSpan::new(scenario, from, (to - from) / push_end, push_end));
+        spans.push(TimeSpan::new(scenario, to, 0.0, duration - push_end));
         let [begin, end] = [push_end, duration].map(|t| (t - delay).max(0.0));
         // In chronological order, so that a split does not shift indices found earlier.
-        let from = split(&mut stretches, begin);
+        let from = split(&mut spans, begin);
         let (hold, to) = if push_end < end {
-            let hold = split(&mut stretches, push_end);
-            (hold, split(&mut stretches, end))
+            let hold = split(&mut spans, push_end);
+            (hold, split(&mut spans, end))
         } else {
-            let to = split(&mut stretches, end);
-            (split(&mut stretches, push_end), to)
+            let to = split(&mut spans, end);
+            (split(&mut spans, push_end), to)
         };
         let geometry = &scenario.chamber.geometry;
         let mut elapsed = delay;
-        for stretch in &mut stretches {
-            stretch.elapsed = elapsed;
-            elapsed += stretch.length;
-            let [from, to] = [0.0, stretch.length].map(|t| geometry.volume(stretch.boundary(t).position));
-            stretch.clock = Clock::new(from, to, stretch.length);
+        for span in &mut spans {
+            span.elapsed = elapsed;
+            elapsed += span.length;
+            let [from, to] = [0.0, span.length].map(|t| geometry.volume(span.boundary(t).position));
+            span.transformation = TimeTransformation::new(from, to, span.length);
         }
         let starts_singular = starts_singular(active, scenario);
         if starts_singular {
-            let first = &mut stretches[0];
-            first.clock = first.clock.bent(first.length);
+            let first = &mut spans[0];
+            first.transformation = first.transformation.bent(first.length);
         }
-        Ok(Self { active, stretches, window: [from, to], hold, starts_singular })
+        Ok(Self { active, spans, window: [from, to], hold, starts_singular })
     }
 }
 
@@ -171,23 +176,23 @@ pub fn check_duration(s: &Scenario) -> Result<(), Failure> {
     if s.duration_s <= s.push_time_s { Err(Failure::EndsInPush) } else { Ok(()) }
 }
 
-/// Makes a stretch begin at time `t` and returns its index, or the number of stretches if `t` is the end.
-fn split(stretches: &mut Vec<Stretch>, t: f64) -> usize {
+/// Makes a span begin at time `t` and returns its index, or the number of spans if `t` is the end.
+fn split(spans: &mut Vec<TimeSpan>, t: f64) -> usize {
     let mut begin = 0.0;
-    for i in 0..stretches.len() {
-        let length = stretches[i].length;
+    for i in 0..spans.len() {
+        let length = spans[i].length;
         let near = 1e-12 * t.max(1e-9);
         if t <= begin + near {
             return i;
         }
         if t < begin + length - near {
-            let (done, all) = (t - begin, &mut stretches[i]);
-            let rest = Stretch { length: length - done, start: all.boundary(done), ..*all };
+            let (done, all) = (t - begin, &mut spans[i]);
+            let rest = TimeSpan { length: length - done, start: all.boundary(done), ..*all };
             all.length = done;
-            stretches.insert(i + 1, rest);
+            spans.insert(i + 1, rest);
             return i + 1;
         }
         begin += length;
     }
-    stretches.len()
+    spans.len()
 }

@@ -12,7 +12,7 @@ const BESIDE: f64 = 1e-5;
 
 /// The data that a curve is made of; often the curve itself.
 pub trait Reading {
-    /// The curve.
+    /// A function of time that can be evaluated in all lanes.
     type Curve: Curve;
     /// Makes the curve; inlined into the code of the instruction set in use.
     fn curve(self) -> Self::Curve;
@@ -27,7 +27,7 @@ impl<C: Curve> Reading for C {
     }
 }
 
-/// A query.
+/// What is asked of a curve.
 #[derive(Clone, Copy, Debug)]
 pub enum Question {
     /// The time at which the curve turns, and its value there.
@@ -44,7 +44,7 @@ pub struct Query<R> {
     pub reading: R,
     /// Begin and end of the part.
     pub times: [Lanes; 2],
-    /// The query.
+    /// What is asked of that part, the same in all lanes.
     pub question: Question,
 }
 

@@ -24,7 +24,7 @@ pub const FREED: usize = 6;
 /// explanation. With fewer effects the rounds have already reached the best set.
 pub const EXCHANGED_FROM: usize = 3;
 /// Number of extended sets fitted in a round, counted separately for those with and without per-record terms. The first step of
-/// the fit shows which are the most promising.
+/// the fit predicts which are best.
 pub const FITTED: usize = 8;
 /// Number of best sets of all earlier rounds whose left-out error is computed again after the data have been weighted anew.
 pub const REJUDGED: usize = 8;
@@ -71,7 +71,7 @@ pub const GEOMETRY_WIDENED: f64 = 5.0;
 pub const TOLERANCES: f64 = 3.0;
 /// Where moving the stated numbers removes more than this fraction of the squares beyond noise, the records ask for the move: a
 /// wrong bore or temperature accounts for most of the misfit that it causes.
-pub const EASED: f64 = 0.5;
+pub const EXCESS_REMOVED_BY_MOVES: f64 = 0.5;
 /// A number with a prior moves no farther than this many standard deviations from its prior mean. An offset of 25 kPa may be due
 /// to the altitude, but half a bar has another cause, which the number would imitate.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
@@ -101,9 +101,9 @@ pub const PREDICTS_BETTER: f64 = 0.5;
 /// Named effects explain the records if their error on records left out whole is less than this multiple of the error on the
 /// fitted records. Otherwise they only describe the fitted ones.
 pub const CARRIES_OVER: f64 = 1.3;
-/// A larger multiple of that error, sufficient if the excess is no more than what the fit to the other records leaves open: there
+/// A larger multiple of that error, sufficient if the excess is within the uncertainty of the fit to the other records: there
 /// are few data on fast moves, or on what one of few records shows.
-pub const LEFT_OPEN: f64 = 2.0;
+pub const CARRIES_OVER_WITHIN_UNCERTAINTY: f64 = 2.0;
 /// The corresponding condition for few records, each of which may show what no other does: the systematic error on left-out data
 /// falls below this fraction of that of the paper's model.
 pub const MOST_GONE: f64 = 0.25;
@@ -112,9 +112,9 @@ pub const MOST_GONE: f64 = 0.25;
 pub const NEXT_TO_NOTHING: f64 = 0.02;
 /// The same limit for a misfit that is also below the accuracy asked for. The error of a stroke, of a position sensor or of a law
 /// has a shape that shows in long records, and it does not matter.
-pub const LITTLE: f64 = 0.1;
-/// A little misfit has a plain shape if noise has that shape with less than this probability. Something else is then certainly at
-/// work, and the named effects only improve the model.
+pub const REMAINING_WITHIN_ACCURACY: f64 = 0.1;
+/// A misfit that small has a plain shape if noise has that shape with less than this probability. Something else is then
+/// certainly at work, and the named effects only improve the model.
 pub const PLAIN_SHAPE: f64 = 1e-20;
 
 /// A rest that, read in another unit, is within this fraction of the pressure of the surroundings may have been recorded with the

@@ -6,7 +6,7 @@ use identify::outcome::diagnosis::Diagnosis;
 use identify::outcome::validation;
 use identify::parameters::Model;
 use identify::record::data::Data;
-use identify::record::gaps;
+use identify::record::reconstruction::gaps;
 use identify::search::baseline;
 use identify::synthetic::{Recipe, Shape};
 use records::{Rig, Trace, Verdict};

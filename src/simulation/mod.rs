@@ -10,7 +10,7 @@ use band::{Band, Wanted};
 use chamber::simulate::Sample;
 use chamber::words::listed;
 use columns::{COLUMNS, Values};
-use identify::record::checks;
+use identify::record::plausibility::checks;
 use identify::record::unit::Declared;
 use motion_run::MotionRun;
 use records::layout::Quantity;

@@ -4,7 +4,8 @@ use super::stroke::Stroke;
 use anyhow::{Context, bail};
 use chamber::signals::{Knot, Signals};
 use chamber::simulate::{RELATIVE_TOLERANCE, Sample, Start, simulate};
-use identify::record::{far_off, outliers};
+use identify::record::far_off;
+use identify::record::plausibility::outliers;
 use records::limits::PRESSURE_PA;
 use records::{Model, Trace};
 

@@ -4,9 +4,9 @@
 //! Noise of some µm between rows is a speed of some mm/s, with which an effect of the piston's speed would heat a gas at rest;
 //! and a chord between two rows of a fast move misses the stroke by up to x″h²/8.
 
-use identify::record::gaps;
-use identify::record::positions::Positions;
-use identify::record::readout::Between;
+use identify::record::reconstruction::gaps;
+use identify::record::sampling::readout::Between;
+use identify::record::stroke::positions::Positions;
 use identify::record::stroke::{Motion, Phase, Segment};
 use records::extremes;
 use report::digits;

@@ -101,6 +101,14 @@ def test_folders_import_one_way(root, crate):
         refuse_circles(graph)
 
 
+def test_folders_of_the_preparation_of_records_import_one_way(root):
+    whole = Crate(root / "identify/src").folders()
+    of_record = [graph for graph in whole if all(module[0] == "record" and len(module) > 1 for module in graph)]
+    assert len(of_record) > 8, "folders are not seen any more"
+    for graph in of_record:
+        refuse_circles(graph)
+
+
 @pytest.mark.parametrize("crate", ["chamber", "records", "ensemble", "paper", "sweep", "fmu", "report", "."])
 def test_modules_and_their_parts_import_one_way(root, crate):
     refuse_circles(Crate(root / crate / "src").graph)

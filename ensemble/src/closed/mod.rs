@@ -1,9 +1,9 @@
 //! Rows with closed forms, grouped by kind: see [`rows`].
 
-pub mod kept;
 pub mod readings;
 mod rows;
 mod test;
+pub mod with_effects;
 
 use crate::batch::{Batch, Features};
 use crate::outcome::Outcome;
@@ -32,7 +32,7 @@ impl ClosedRows {
         let in_time = |sensor: Sensor| plan::check_duration(s).is_err() || sensor.delay < shortest;
         let is_closed = !row.integrates
             && row.is_sealed
-            && kept::EFFECTS.contains(row.of_gas)
+            && with_effects::EFFECTS.contains(row.of_gas)
             && row.sensor.is_none_or(|sensor| in_time(sensor) && (row.is_exact || readings::is_quick(&sensor, s)));
         let gas = if row.of_gas.is_empty() { 0 } else { 1 + usize::from(row.is_swept) };
         let shown =
@@ -43,9 +43,9 @@ impl ClosedRows {
     /// Solves all rows and empties the lists.
     pub fn solve(&mut self, set: EffectSet, batch: Batch, out: &mut [Outcome]) {
         for (kind, rows) in self.lists.iter_mut().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-            let kept = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(kept::EFFECTS) };
+            let of_gas = if kind.is_multiple_of(3) { EffectSet::NONE } else { set.intersection(with_effects::EFFECTS) };
             let shown = if kind < 3 { EffectSet::NONE } else { set.intersection(effects::of_sensor()) };
-            rows::run(batch, &mut self.memory, kept, shown, rows, out);
+            rows::run(batch, &mut self.memory, of_gas, shown, rows, out);
             rows.clear();
         }
     }

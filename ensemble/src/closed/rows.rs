@@ -1,11 +1,11 @@
 //! Solves tests by the closed forms of [`exact`](chamber::exact), in lanes: sealed ones, those with effects that keep the closed form
-//! ([`kept`](crate::closed::kept)), and the sensor's readings of either ([`readings`]). No integration, no tolerance.
+//! ([`with_effects`](crate::closed::with_effects)), and the sensor's readings of either ([`readings`]). No integration, no tolerance.
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
-use crate::closed::kept::{Exchange, Heat};
 use crate::closed::readings::{self, Readings};
 use crate::closed::test::{Ends, ExactTest, Tests};
+use crate::closed::with_effects::{Exchange, Heat};
 use crate::ending::HoldsEnded;
 use crate::lanes::math::decay;
 use crate::lanes::{Lanes, WIDTH};
@@ -160,12 +160,12 @@ impl WithSimd for Solve<'_> {
     fn with_simd<I: Simd>(self, _: I) -> Ends {
         let t = black_box(self.tests);
         let wall = t.closed.ambient_temperature;
-        let mut kept = None;
+        let mut with_effects = None;
         if let Some((set, balance)) = black_box(self.effects) {
-            let exchange = kept.insert(Exchange::new(set, balance, &t.closed, wall));
+            let exchange = with_effects.insert(Exchange::new(set, balance, &t.closed, wall));
             exchange.move_at(t.velocity(&balance.chamber));
         }
-        let pushed = match (&kept, self.nodes) {
+        let pushed = match (&with_effects, self.nodes) {
             (None, None) => t.pushed(&t.closed),
             (Some(exchange), None) => t.pushed(exchange),
             (None, Some(nodes)) => t.nodes(&t.closed, nodes),

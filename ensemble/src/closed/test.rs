@@ -1,6 +1,6 @@
 //! Push-and-hold tests that have a closed form, reduced to the numbers it needs: one test, and one per lane.
 
-use crate::closed::kept::{Heat, RampPart};
+use crate::closed::with_effects::{Heat, RampPart};
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::gauss::NODES;
 use crate::scenario::Scenario;

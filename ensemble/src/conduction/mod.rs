@@ -51,7 +51,7 @@ pub struct HoldSteps<'a> {
 
 /// Takes the gas to the ends of the holds; returns a positive number if all steps were good.
 #[inline(always)]
-pub fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> Lanes {
+pub fn through(gas: &mut GasAndWall, steps: HoldSteps, observer: &mut impl Keep) -> Lanes {
     let HoldSteps { growth, level, counts, last, relative } = steps;
     let gas = black_box(gas);
     let mut factors = black_box(Factors::NONE);
@@ -67,12 +67,12 @@ pub fn through(gas: &mut GasAndWall, steps: HoldSteps, kept: &mut impl Keep) -> 
         good = goes.where_positive(good.min(step.good), good);
         time = goes.where_positive(time + response.length, time);
         gas.take(goes, response.length.into(), &step);
-        kept.keep(time, goes, begin, gas);
+        observer.keep(time, goes, begin, gas);
         taken += 1;
     }
     let begin = gas.temperature;
     let step = black_box(&mut *gas).step::<Lanes>(black_box(last), relative, &mut factors);
     gas.take(Lanes::ONE, last.length, &step);
-    kept.keep(time + last.length, Lanes::ONE, begin, gas);
+    observer.keep(time + last.length, Lanes::ONE, begin, gas);
     good.min(step.good)
 }

@@ -17,7 +17,7 @@ pub struct Response<R> {
     /// Length of the step, s.
     pub length: R,
     /// Fraction of each mode that is left at each node.
-    pub kept: [[R; MODES]; NODES],
+    pub decay: [[R; MODES]; NODES],
     /// Warming of the surface up to each node by the values of d, s^½.
     pub warming: [[R; NODES]; NODES],
     /// Contribution of the values of d to each mode at the end, s^½.
@@ -35,8 +35,8 @@ impl<R: Real> Response<R> {
             for node in 0..black_box(NODES) {
                 let place = PLACES[node];
                 let w = length * (rate * place);
-                let faded = filter::kept(w);
-                self.kept[node][mode] = faded;
+                let faded = filter::decay_factor(w);
+                self.decay[node][mode] = faded;
                 // A sensor with a lag of 1/μ shows the fraction g of a power of the place: μ times the integral.
                 let shares = filter::shares(w, faded);
                 for from in 0..black_box(NODES) {
@@ -109,8 +109,8 @@ mod tests {
                     let part = |k: usize| {
                         (0..gauss::NODES).map(gauss::node).map(move |(x, w)| {
                             let at = place * (k as f64 + x) / parts as f64;
-                            let kept = (-of.rate * length * (place - at)).exp();
-                            w * place * length / parts as f64 * kept * drive(at)
+                            let decay = (-of.rate * length * (place - at)).exp();
+                            w * place * length / parts as f64 * decay * drive(at)
                         })
                     };
                     of.weight * (0..parts).flat_map(part).sum::<f64>()

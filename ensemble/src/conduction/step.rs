@@ -4,7 +4,7 @@
 
 use super::response::Response;
 use super::rule::{GUESSED, NODES, PLACES, RULE};
-use crate::closed::kept;
+use crate::closed::with_effects;
 use crate::integrator::step::View;
 use crate::lanes::{Lanes, multiply_add};
 use crate::numerics::elimination::Factors;
@@ -64,7 +64,7 @@ impl GasAndWall {
         modes: [Lanes; MODES],
     ) -> Self {
         // Excludes the code of all other effects.
-        let beside = set.intersection(kept::EFFECTS);
+        let beside = set.intersection(with_effects::EFFECTS);
         let boundary = Boundary::closed(Lanes::ZERO, ambient_temperature, ambient_pressure);
         let capacity = mass * balance.cv;
         let mut at = balance.conditions(beside, &boundary, &Contents::new(mass, capacity * temperature, volume));
@@ -149,7 +149,8 @@ impl GasAndWall {
         let mut surface = [self.wall; NODES];
         for node in 0..black_box(NODES) {
             for mode in 0..MODES {
-                surface[node] = multiply_add::<true>(self.modes[mode], response.kept[node][mode].into(), surface[node]);
+                surface[node] =
+                    multiply_add::<true>(self.modes[mode], response.decay[node][mode].into(), surface[node]);
             }
         }
         let mut drive = self.guess(response.length.into());
@@ -203,7 +204,7 @@ impl GasAndWall {
         let allowed = temperature * largest * relative - cooling * terms * terms * ERROR;
         let mut modes = self.modes;
         for mode in 0..black_box(MODES) {
-            modes[mode] = modes[mode] * response.kept[NODES - 1][mode].into();
+            modes[mode] = modes[mode] * response.decay[NODES - 1][mode].into();
             for from in 0..NODES {
                 modes[mode] = multiply_add::<true>(drive[from], response.fed[mode][from].into(), modes[mode]);
             }

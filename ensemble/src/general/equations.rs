@@ -1,14 +1,14 @@
-//! Chambers with any effects in lanes, by the balances of [`balance`]. States are √m, 1/√U and the states of the effects in use; the
-//! clock is that of [`crate::integrator::clock`]. With √m and V^(1/4), λ(P, T) needs no root, and with 1/√U the integrals of heat, work
-//! and enthalpy over a step are independent of the integral of the states. In a closed chamber 1/U is a constant plus a decaying
-//! exponential while the piston rests, and over an adiabatic push 1/√U is V^((γ − 1)/2), nearly linear in the clock: steps are longer
-//! than with √U.
+//! Chambers with any effects in lanes, by the balances of [`balance`]. States are √m, 1/√U and the states of the effects in use;
+//! the independent variable is that of [`crate::integrator::time_transformation`]. With √m and V^(1/4), λ(P, T) needs no root, and
+//! with 1/√U the integrals of heat, work and enthalpy over a step are independent of the integral of the states. In a closed
+//! chamber 1/U is a constant plus a decaying exponential while the piston rests, and over an adiabatic push 1/√U is V^((γ − 1)/2),
+//! nearly linear in the transformed time: steps are longer than with √U.
 
 use crate::chambers::load_chamber;
-use crate::integrator::clock::Clock;
 use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::lanes::{Lanes, put};
-use crate::plan::Stretch;
+use crate::plan::TimeSpan;
 use chamber::balance::{self, Balances, Boundary, Contents, ENERGY, MASS, OWN, STATES, Tight};
 use chamber::effects::{self, EffectSet, OWN_STATES};
 use chamber::real::Real;
@@ -26,8 +26,8 @@ pub const AT_RUN_TIME: u32 = EffectSet::ALL.bits() | ASKED;
 pub struct Row<'a> {
     /// Its chamber's balance.
     pub balance: &'a Balances,
-    /// Its current stretch.
-    pub stretch: &'a Stretch,
+    /// Its current span.
+    pub span: &'a TimeSpan,
     /// Number of its states: mass unless it is tight, energy and those of its effects.
     pub counted: f64,
     /// Mass at the start, kg.
@@ -48,9 +48,9 @@ pub struct General<'a, const N: usize, const BITS: u32> {
     moving: usize,
     /// Number of states in each row's error norm.
     counted: Lanes,
-    /// Boundary and clock of the stretch; the position is not used.
+    /// Boundary and time transformation of the span; the position is not used.
     boundary: Boundary<Lanes>,
-    clock: Clock<Lanes>,
+    transformation: TimeTransformation<Lanes>,
 }
 
 /// Index of the energy among the states of a set: after the mass, if that is a state.
@@ -105,7 +105,8 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         let balance = Balances::of(rows[0].balance.chamber.lift());
         let all = balance::moving_states(set);
         let moving = Self::PLACES.iter().filter(|place| **place < all).count();
-        let (boundary, clock) = (Boundary::closed(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO), Clock::default());
+        let (boundary, transformation) =
+            (Boundary::closed(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO), TimeTransformation::default());
         let (row, one) = (PhantomData, Lanes::ONE);
         Self {
             row,
@@ -117,7 +118,7 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
             moving,
             counted: one,
             boundary,
-            clock,
+            transformation,
         }
     }
 
@@ -175,17 +176,17 @@ impl<'a, const N: usize, const BITS: u32> General<'a, N, BITS> {
         own
     }
 
-    /// The clock's s, and ds/dr, at `r`; only some effects bend the clock.
+    /// The transformed time s, and ds/dr, at `r`; only some effects bend the transformation.
     #[inline(always)]
     fn unbent(&self, r: Lanes) -> [Lanes; 2] {
         let bent = !self.set().intersection(effects::SINGULAR).is_empty();
-        if bent { self.clock.unbent(r) } else { [r, Lanes::ONE] }
+        if bent { self.transformation.unbent(r) } else { [r, Lanes::ONE] }
     }
 
-    /// Contents of the chambers at the clock's `s`.
+    /// Contents of the chambers at the transformed time `s`.
     #[inline(always)]
     fn contents(&self, s: Lanes, y: &[Lanes; N]) -> Contents<Lanes> {
-        let root = self.clock.root(s);
+        let root = self.transformation.root(s);
         let square = root * root;
         let [mass, root_mass] = if Self::TIGHT { [self.mass, self.root_mass] } else { [y[MASS] * y[MASS], y[MASS]] };
         let per_root_energy = y[Self::ENERGY];
@@ -206,7 +207,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 
     #[inline(always)]
     fn load(&mut self, lane: usize, row: &Row<'a>) {
-        let Row { balance: from, stretch, counted, mass } = *row;
+        let Row { balance: from, span, counted, mass } = *row;
         let set = self.set();
         if Self::TIGHT {
             self.mass[lane] = mass;
@@ -235,17 +236,17 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
             effect += 1;
         }
         put!(
-            self.boundary, lane, stretch.start;
+            self.boundary, lane, span.start;
             velocity, mass_flow_in, temperature_in, mass_flow_out, ambient_temperature, ambient_pressure
         );
-        self.clock.load(lane, &stretch.clock);
+        self.transformation.load(lane, &span.transformation);
     }
 
     #[inline(always)]
     fn rates(&self, r: Lanes, y: &[Lanes; N]) -> Moment<N> {
         let [s, rate] = self.unbent(r);
         let contents = self.contents(s, y);
-        let pace = self.clock.pace(s) * rate;
+        let pace = self.transformation.pace(s) * rate;
         let (set, boundary, own) = (self.set(), &self.boundary, Self::own(y));
         let (at, rates, own) = if Self::TIGHT {
             self.balance.evaluate_within(&Tight, set, boundary, &contents, &own)
@@ -285,7 +286,7 @@ impl<'a, const N: usize, const BITS: u32> LaneSystem<N> for General<'a, N, BITS>
 
     #[inline(always)]
     fn widening(&self, at: Lanes) -> Lanes {
-        self.clock.widening(at)
+        self.transformation.widening(at)
     }
 
     #[inline(always)]
@@ -321,10 +322,11 @@ mod tests {
 
         #[inline(always)]
         fn rates(&self, s: Lanes, y: &[Lanes; 2]) -> Moment<2> {
-            let General { balance, boundary, clock, .. } = &self.whole;
+            let General { balance, boundary, transformation, .. } = &self.whole;
             let enthalpy = balance.cp * boundary.mass_flow_in * boundary.temperature_in;
             let mut moment = self.whole.rates(s, y);
-            moment.slope[ENERGY] += enthalpy * self.share * clock.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
+            moment.slope[ENERGY] +=
+                enthalpy * self.share * transformation.pace(s) * (y[ENERGY] * y[ENERGY] * y[ENERGY] * 0.5);
             moment
         }
     }
@@ -336,13 +338,13 @@ mod tests {
         (scenario.mass_flow_in_kg_per_s, scenario.temperature_in_k) = (1e-5, 310.0);
         let plan = Plan::new(EffectSet::NONE, EffectSet::NONE, &scenario).unwrap();
         let balance = Balances::of(chamber);
-        let all = balance::state_at(&chamber, &plan.stretches[0].boundary(0.0), 1e5, 293.0);
+        let all = balance::state_at(&chamber, &plan.spans[0].boundary(0.0), 1e5, 293.0);
         for share in [0.0, 1e-6, 0.01] {
             let (mut state, mut received, mut work) = (General::<2, 0>::states(&all), 0.0, 0.0);
-            for stretch in &plan.stretches {
-                let rows = [Row { balance: &balance, stretch, counted: 2.0, mass: all[MASS] }];
+            for span in &plan.spans {
+                let rows = [Row { balance: &balance, span, counted: 2.0, mass: all[MASS] }];
                 let system = Short { whole: General::new(&rows, EffectSet::NONE), share };
-                let mut problems = [Problem::new(stretch.length, state, [1e-20; 2])];
+                let mut problems = [Problem::new(span.length, state, [1e-20; 2])];
                 run::<2, false, _, _>(&system, &rows, &mut problems, 1e-10, &mut ());
                 assert_eq!(problems[0].failure, None);
                 state = problems[0].state;

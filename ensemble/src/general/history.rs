@@ -58,7 +58,7 @@ impl<const N: usize> Watch<N> for History {
     }
 
     #[inline(always)]
-    fn kept(&self) -> usize {
+    fn stored(&self) -> usize {
         self.len()
     }
 

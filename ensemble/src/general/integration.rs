@@ -1,4 +1,4 @@
-//! Adaptive integration of rows in lanes: stretch by stretch for all rows of a chunk, then the evaluation of their records.
+//! Adaptive integration of rows in lanes: span by span for all rows of a chunk, then the evaluation of their records.
 
 use crate::batch::Batch;
 use crate::ending::AfterPush;
@@ -11,7 +11,7 @@ use crate::integrator::advance::{FIRST_OF_BENT, LONGEST, LONGEST_OF_MOVE, Watch,
 use crate::integrator::problem::{Problem, Steps};
 use crate::integrator::step::View;
 use crate::outcome::{Failure, Outcome, ROUNDING, Standing, closure, to_be_lost};
-use crate::plan::{MOST_STRETCHES, Plan};
+use crate::plan::{MOST_SPANS, Plan};
 use crate::reader::{self, Bends, Knot, RowAnswer, Traces, seen_from};
 use crate::regression::Regression;
 use crate::regression::fit;
@@ -49,8 +49,8 @@ struct IntegratedRow<'a> {
     contents: [f64; 2],
     /// Energy received as heat and enthalpy less work done, and the sum of the magnitudes of the work, J.
     energy: [f64; 2],
-    /// For each stretch its steps in the history, and the view at its start.
-    passed: [(Steps, View<f64>); MOST_STRETCHES],
+    /// For each span its steps in the history, and the view at its start.
+    passed: [(Steps, View<f64>); MOST_SPANS],
     failure: Option<Failure>,
 }
 
@@ -92,8 +92,8 @@ pub fn run<const N: usize, const BITS: u32>(
         integrated.push(row);
     }
     let conduction = (kind == Kind::WallConduction).then_some(conduction);
-    let stretches = if kind == Kind::Relaxing { 1 } else { MOST_STRETCHES };
-    if !integrate::<N, BITS>(batch, history, set, (&mut integrated, &mut states), stretches, conduction) {
+    let spans = if kind == Kind::Relaxing { 1 } else { MOST_SPANS };
+    if !integrate::<N, BITS>(batch, history, set, (&mut integrated, &mut states), spans, conduction) {
         // Too many steps to keep: solves fewer rows at a time.
         for rows in rows.chunks(rows.len().div_ceil(2).next_multiple_of(FEWEST)) {
             run::<N, BITS>(batch, memory, set, kind, rows, out);
@@ -148,19 +148,19 @@ fn read(
     }
 }
 
-/// Integrates rows over at most `stretches` stretches; false if the history is full. `conduction` is the memory for the holds of rows
+/// Integrates rows over at most `spans` spans; false if the history is full. `conduction` is the memory for the holds of rows
 /// with a conducting wall.
 fn integrate<const N: usize, const BITS: u32>(
     batch: Batch,
     history: &mut History,
     set: EffectSet,
     (integrated, states): (&mut [IntegratedRow], &mut [States<N>]),
-    stretches: usize,
+    spans: usize,
     mut conduction: Option<&mut wall_conduction::Memory>,
 ) -> bool {
     history.clear();
     let mut problems: Vec<Problem<N>> = Vec::with_capacity(integrated.len());
-    for index in 0..stretches {
+    for index in 0..spans {
         let mut active: Vec<usize> = (0..integrated.len()).filter(|&c| integrated[c].goes_on(index)).collect();
         if active.is_empty() {
             break;
@@ -174,14 +174,14 @@ fn integrate<const N: usize, const BITS: u32>(
             row.pass(contents, problem.energy, problem.failure.or((!is_gas).then_some(Failure::Empty)));
         };
         let problem = |row: &IntegratedRow, states: &States<N>| {
-            let mut problem = Problem::new(row.plan.stretches[index].length, states.state, states.absolute);
+            let mut problem = Problem::new(row.plan.spans[index].length, states.state, states.absolute);
             (problem.longest, problem.first) = row.steps(index);
             problem
         };
         if General::<N, BITS>::REMEMBERS
             && let Some(memory) = &mut conduction
         {
-            let rests = |c: &usize| integrated[*c].plan.stretches[index].start.velocity == 0.0;
+            let rests = |c: &usize| integrated[*c].plan.spans[index].start.velocity == 0.0;
             let (held, mut others): (Vec<usize>, Vec<usize>) = active.iter().partition(|c| rests(c));
             let systems: Vec<Row> = held.iter().map(|&c| integrated[c].system(index)).collect();
             problems.clear();
@@ -221,7 +221,7 @@ impl<'a> IntegratedRow<'a> {
     fn begin(row: u32, plan: &'a Plan, balance: &'a Balances, scenario: &'a Scenario) -> (Self, [f64; STATES]) {
         let (pressure, temperature) = (scenario.initial_pressure_pa, scenario.initial_temperature_k);
         let of_gas = sets::on_the_gas(plan.active);
-        let states = balance.state_at(of_gas, &plan.stretches[0].boundary(0.0), pressure, temperature);
+        let states = balance.state_at(of_gas, &plan.spans[0].boundary(0.0), pressure, temperature);
         let initial = [states[MASS], states[ENERGY]];
         let row = Self {
             row,
@@ -234,40 +234,40 @@ impl<'a> IntegratedRow<'a> {
             initial,
             contents: initial,
             energy: [0.0; 2],
-            passed: [(Steps::default(), View::NONE); MOST_STRETCHES],
+            passed: [(Steps::default(), View::NONE); MOST_SPANS],
             failure: None,
         };
         (row, states)
     }
 
-    /// Its data for the integration of a stretch.
-    fn system(&self, stretch: usize) -> Row<'_> {
-        let stretch = &self.plan.stretches[stretch];
-        Row { balance: self.balance, stretch, counted: self.counted, mass: self.initial[MASS] }
+    /// Its data for the integration of a span.
+    fn system(&self, span: usize) -> Row<'_> {
+        let span = &self.plan.spans[span];
+        Row { balance: self.balance, span, counted: self.counted, mass: self.initial[MASS] }
     }
 
-    /// Longest and first step of a stretch, s; zero if the first is to be estimated.
+    /// Longest and first step of a span, s; zero if the first is to be estimated.
     fn steps(&self, index: usize) -> (f64, f64) {
-        let stretch = &self.plan.stretches[index];
+        let span = &self.plan.spans[index];
         let longest = if index >= seen_from(self.plan, &self.sensor) {
-            LONGEST * stretch.length
-        } else if stretch.start.velocity != 0.0 {
-            LONGEST_OF_MOVE * stretch.length
+            LONGEST * span.length
+        } else if span.start.velocity != 0.0 {
+            LONGEST_OF_MOVE * span.length
         } else {
             f64::INFINITY
         };
         let conducts = !self.plan.active.intersection(effects::REMEMBERING).is_empty();
         let bent = index == 0 && (self.plan.starts_singular || conducts);
-        (longest, if bent { FIRST_OF_BENT * stretch.length } else { 0.0 })
+        (longest, if bent { FIRST_OF_BENT * span.length } else { 0.0 })
     }
 
-    /// Whether it still has to pass a stretch.
+    /// Whether it still has to pass a span.
     fn goes_on(&self, index: usize) -> bool {
-        self.failure.is_none() && index < self.plan.stretches.len()
+        self.failure.is_none() && index < self.plan.spans.len()
     }
 
-    /// Records the end of a stretch: mass, kg, and internal energy, J, energy received as heat and enthalpy and work done over the
-    /// stretch, J, and the failure, if any.
+    /// Records the end of a span: mass, kg, and internal energy, J, energy received as heat and enthalpy and work done over the
+    /// span, J, and the failure, if any.
     fn pass(&mut self, contents: [f64; 2], [received, work]: [f64; 2], failure: Option<Failure>) {
         self.contents = contents;
         self.energy = [self.energy[0] + (received - work), self.energy[1] + work.abs()];
@@ -293,9 +293,9 @@ impl<'a> IntegratedRow<'a> {
         if self.failure.is_some() {
             return;
         }
-        let passed = self.passed.iter().take(self.plan.stretches.len());
-        for (stretch, &(steps, view)) in passed.enumerate().skip(seen_from(self.plan, &self.sensor)) {
-            traces.stretch(stretch, |knots| {
+        let passed = self.passed.iter().take(self.plan.spans.len());
+        for (span, &(steps, view)) in passed.enumerate().skip(seen_from(self.plan, &self.sensor)) {
+            traces.span(span, |knots| {
                 knots.push(Knot { at: 0.0, view, kink: false });
                 history.read(steps, knots);
             });

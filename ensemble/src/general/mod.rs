@@ -1,5 +1,5 @@
 //! Rows with any effects by the integrator: the general equations ([`equations`]), compiled for common sets of effects
-//! ([`compiled`]), integrated stretch by stretch ([`integration`]).
+//! ([`compiled`]), integrated span by span ([`integration`]).
 
 pub mod compiled;
 pub mod equations;

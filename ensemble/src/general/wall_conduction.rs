@@ -3,7 +3,7 @@
 
 use crate::batch::Batch;
 use crate::chambers::Chambers;
-use crate::closed::kept;
+use crate::closed::with_effects;
 use crate::conduction::lengths::{LEVELS, OF_ENDS};
 use crate::conduction::response::Response;
 use crate::conduction::rule::NODES;
@@ -23,7 +23,7 @@ use core::hint::black_box;
 use pulp::{Simd, WithSimd};
 
 /// The effects on the gas that a row may have: a conducting wall, and those that keep λ/T, area and wall temperature constant.
-pub const EFFECTS: EffectSet = effects::REMEMBERING.union(kept::EFFECTS);
+pub const EFFECTS: EffectSet = effects::REMEMBERING.union(with_effects::EFFECTS);
 
 /// Working memory, kept from one batch to the next.
 #[derive(Default)]
@@ -70,11 +70,9 @@ pub fn hold<const N: usize>(
                 mass: Lanes::from_fn(|lane| row(lane).mass),
                 energy: Lanes::from_fn(|lane| problem(lane).state[energy].powi(-2)),
                 modes: core::array::from_fn(|mode| Lanes::from_fn(|lane| problem(lane).state[first_mode + mode])),
-                volume: Lanes::from_fn(|lane| {
-                    row(lane).balance.chamber.geometry.volume(row(lane).stretch.start.position)
-                }),
-                ambient_temperature: Lanes::from_fn(|lane| row(lane).stretch.start.ambient_temperature),
-                ambient_pressure: Lanes::from_fn(|lane| row(lane).stretch.start.ambient_pressure),
+                volume: Lanes::from_fn(|lane| row(lane).balance.chamber.geometry.volume(row(lane).span.start.position)),
+                ambient_temperature: Lanes::from_fn(|lane| row(lane).span.start.ambient_temperature),
+                ambient_pressure: Lanes::from_fn(|lane| row(lane).span.start.ambient_pressure),
                 steps: HoldSteps {
                     growth: OF_ENDS,
                     level,

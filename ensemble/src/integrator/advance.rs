@@ -1,4 +1,4 @@
-//! Solves many initial value problems, each over one smooth stretch of time: one per lane, each with its own steps; a lane that is done
+//! Solves many initial value problems, each over one smooth span of time: one per lane, each with its own steps; a lane that is done
 //! takes the next problem. Steps are those of a Runge–Kutta pair ([`crate::integrator::step`]) or of the Taylor series of the solution
 //! ([`crate::integrator::expansion`]).
 
@@ -23,25 +23,25 @@ const GROW: f64 = 2.5;
 const SHRINK: f64 = 0.3;
 /// Factor of the next step after one that gave NaN.
 const NOT_A_NUMBER: f64 = 0.1;
-/// Longest step, relative to the stretch, of a solution that is interpolated: the interpolant needs neighbouring knots.
+/// Longest step, relative to the span, of a solution that is interpolated: the interpolant needs neighbouring knots.
 pub const LONGEST: f64 = 0.26;
-/// Longest step, relative to the stretch, while the piston moves: over a whole push both error estimates can vanish at once, and a step
+/// Longest step, relative to the span, while the piston moves: over a whole push both error estimates can vanish at once, and a step
 /// with twenty times the tolerated error would pass. Longer steps are rejected so often that they gain nothing.
 pub const LONGEST_OF_MOVE: f64 = 0.34;
-/// First step of a test, relative to the stretch, if the rates do not determine it: with a bent clock, and with a conducting wall, whose
-/// modes all start from rest.
+/// First step of a test, relative to the span, if the rates do not determine it: with a bent transformation, and with a conducting
+/// wall, whose modes all start from rest.
 pub const FIRST_OF_BENT: f64 = 0.15;
 /// Farthest prediction of a kink, in lengths of the last step.
 const FORESIGHT: f64 = 1.0;
 /// A step of at least this fraction of the rest goes to the end.
 const NEARLY: f64 = 1.0 - 1e-12;
-/// Shortest step, relative to the stretch.
+/// Shortest step, relative to the span.
 const SMALLEST_SHARE: f64 = 1e-14;
 
 /// An attempted step of all lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<const N: usize> {
-    /// Time at which the step begins, s from the stretch's start.
+    /// Time at which the step begins, s from the span's start.
     pub from: Lanes,
     /// Length of the step, s.
     pub length: Lanes,
@@ -69,8 +69,8 @@ fn choose<const N: usize>(condition: Lanes, yes: &[Lanes; N], no: &[Lanes; N]) -
 pub trait Watch<const N: usize> {
     /// Called for each attempted step, accepted or not.
     fn see(&mut self, tried: &Tried<N>);
-    /// Number of steps kept so far, to which [`Steps`] refers.
-    fn kept(&self) -> usize;
+    /// Number of steps stored so far, to which [`Steps`] refers.
+    fn stored(&self) -> usize;
     /// Whether it can keep no more: then the integration stops.
     #[inline(always)]
     fn is_full(&self) -> bool {
@@ -83,7 +83,7 @@ impl<const N: usize> Watch<N> for () {
     #[inline(always)]
     fn see(&mut self, _: &Tried<N>) {}
     #[inline(always)]
-    fn kept(&self) -> usize {
+    fn stored(&self) -> usize {
         0
     }
 }
@@ -118,7 +118,7 @@ struct Group<const N: usize, S> {
     h: Lanes,
     /// Step length to continue with after a kink that shortens a step.
     beyond: Lanes,
-    /// Pressure and its slope at the start of the last accepted step of the stretch, and its length; zero if there was none.
+    /// Pressure and its slope at the start of the last accepted step of the span, and its length; zero if there was none.
     before: [Lanes; 2],
     since: Lanes,
     /// Rate of widening of the chamber at `t`, if there are kinks.
@@ -223,7 +223,7 @@ pub fn run<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>(
     loop {
         group.through_memory().halt();
         if group.ended != 0 {
-            group.refill(rows, problems, &mut next, watch.kept() as u32);
+            group.refill(rows, problems, &mut next, watch.stored() as u32);
         }
         if group.idle == ALL {
             return;
@@ -266,7 +266,7 @@ fn run_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>, W: Watch<N>>
         } else {
             group.through_memory().halt();
             if group.ended != 0 {
-                group.refill(rows, problems, &mut next, watch.kept() as u32);
+                group.refill(rows, problems, &mut next, watch.stored() as u32);
             }
             if group.idle == ALL || watch.is_full() {
                 return;
@@ -306,16 +306,16 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         black_box(self)
     }
 
-    /// Stores the solutions of lanes that have ended, with a failure if before the end of the stretch, and loads the next problems.
+    /// Stores the solutions of lanes that have ended, with a failure if before the end of the span, and loads the next problems.
     #[inline(always)]
-    fn refill(&mut self, rows: &[S::Row], problems: &mut [Problem<N>], next: &mut usize, kept: u32) {
+    fn refill(&mut self, rows: &[S::Row], problems: &mut [Problem<N>], next: &mut usize, stored: u32) {
         while let Some(lane) = first(&mut self.ended) {
             if let Some(done) = problems.get_mut(self.owner[lane]) {
                 if self.t[lane] < self.length[lane] {
                     let stuck = self.attempts[lane] < MAX_ATTEMPTS;
                     done.failure = Some(if stuck { Failure::StepTooSmall } else { Failure::TooManySteps });
                 }
-                done.steps.to = kept;
+                done.steps.to = stored;
                 for i in 0..N {
                     done.state[i] = self.y[i][lane];
                 }
@@ -332,7 +332,7 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
                 (self.t[lane], self.length[lane], self.h[lane]) = (0.0, 0.0, 0.0);
                 continue;
             };
-            problem.steps = Steps { from: kept, to: 0, lane: lane as u32 };
+            problem.steps = Steps { from: stored, to: 0, lane: lane as u32 };
             self.system.load(lane, &rows[*next]);
             for i in 0..N {
                 self.y[i][lane] = problem.state[i];
@@ -435,8 +435,8 @@ impl<const N: usize, S: LaneSystem<N>> Group<N, S> {
         let grown = tried * factor;
         // A step shortened by the end or by a kink does not shorten the next one.
         let behind = if kinked { grown.max(self.beyond) } else { grown };
-        let kept = last.where_positive(h.max(grown), behind);
-        let h = good.where_positive(kept, shrunk);
+        let next = last.where_positive(h.max(grown), behind);
+        let h = good.where_positive(next, shrunk);
         let t = good.where_positive(last.where_positive(length, t + tried), t);
         for part in 0..2 {
             self.energy[part] += good.where_positive(step.energy[part], Lanes::ZERO);

@@ -2,8 +2,9 @@
 //! ([`Effect::pressure_kink`](chamber::effects::Effect::pressure_kink)). Error estimates do not see what happens between two stages, so steps end at
 //! corners, to within a fraction of the pressure.
 //!
-//! A corner is predicted from P w⁶ with w = V^(1/4), which is linear in the clock ([`crate::integrator::clock`]): over a push P V^γ,
-//! for air P w^5.6, is nearly constant, so that P w⁶ is nearly linear; while the piston rests it is proportional to P.
+//! A corner is predicted from P w⁶ with w = V^(1/4), which is linear in the transformed time
+//! ([`crate::integrator::time_transformation`]): over a push P V^γ, for air P w^5.6, is nearly constant, so that P w⁶ is nearly
+//! linear; while the piston rests it is proportional to P.
 
 use crate::integrator::step::extrapolated;
 use crate::lanes::Lanes;

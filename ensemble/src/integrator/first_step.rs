@@ -17,7 +17,7 @@ const FIRST: f64 = 0.6;
 /// power.
 const ERROR_AT_SCALE: f64 = 6.6e-7;
 
-/// Initial rates of a system in states `y`, and its first step over a stretch of `length`, s.
+/// Initial rates of a system in states `y`, and its first step over a span of `length`, s.
 #[inline(always)]
 pub fn begin<const N: usize, S: LaneSystem<N>>(
     system: &S,

@@ -7,7 +7,7 @@ use crate::lanes::Lanes;
 /// An attempted step of all lanes.
 #[derive(Clone, Copy)]
 pub struct Attempted<const N: usize> {
-    /// Time at which the step begins, s from the stretch's start.
+    /// Time at which the step begins, s from the span's start.
     pub from: Lanes,
     /// Length of the step, s.
     pub length: Lanes,
@@ -38,7 +38,7 @@ impl<const N: usize> Watch<N> for Vec<Attempted<N>> {
         self.push(Attempted { from, length, states: [begin, end], accepted });
     }
     #[inline(always)]
-    fn kept(&self) -> usize {
+    fn stored(&self) -> usize {
         self.len()
     }
 }

@@ -1,4 +1,4 @@
-//! Initial value problems, each over one smooth stretch of time.
+//! Initial value problems, each over one smooth span of time.
 
 use crate::integrator::step::{Moment, View};
 use crate::lanes::Lanes;
@@ -7,7 +7,7 @@ use crate::outcome::Failure;
 /// An initial value problem and, after [`advance`](crate::integrator::advance::advance), its solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<const N: usize> {
-    /// Length of the stretch, s.
+    /// Length of the span, s.
     pub length: f64,
     /// States at its start; afterwards at its end.
     pub state: [f64; N],
@@ -17,7 +17,7 @@ pub struct Problem<const N: usize> {
     pub longest: f64,
     /// First step, s; zero if it is to be estimated.
     pub first: f64,
-    /// Rates of the states at the stretch's start, per second.
+    /// Rates of the states at the span's start, per second.
     pub slope: [f64; N],
     /// Integrand of [`Problem::energy`] there, W.
     pub power: [f64; 2],

@@ -112,7 +112,7 @@ pub trait LaneSystem<const N: usize>: Clone {
         false
     }
 
-    /// w'/w of w = V^(1/4) at a place of the clock.
+    /// w'/w of w = V^(1/4) at a transformed time.
     #[inline(always)]
     fn widening(&self, _: Lanes) -> Lanes {
         Lanes::ZERO
@@ -129,7 +129,7 @@ pub trait LaneSystem<const N: usize>: Clone {
 /// Smallest plausible e5²/e3³ of a step, with e5 and e3 relative to the states: a twentieth of the value for dy/dt = −y/L.
 const CHANCE: f64 = 2.5e-4;
 
-/// Size of the probing step for the first step, relative to the states and to the stretch.
+/// Size of the probing step for the first step, relative to the states and to the span.
 pub const PROBE: f64 = 0.01;
 /// Added to divisors (choosing between quotients would become branches).
 pub const TINY: f64 = 1e-300;
@@ -249,7 +249,7 @@ pub fn probe<const N: usize>(
 pub const FEELING: Range<usize> = STAGES..STAGES + 2;
 
 /// Evaluates stages in a loop, with one copy of the rates' code. Returns the states and the rates at the last one, and the length of the
-/// step. For [`FEELING`] that length is a [`probe`] of a stretch of `length`; the rates at the start become stage 0, those ahead stage
+/// step. For [`FEELING`] that length is a [`probe`] of a span of `length`; the rates at the start become stage 0, those ahead stage
 /// 1, and the returned rates are those at the start.
 #[inline(always)]
 pub fn stages_in_turn<const N: usize, const FUSED: bool, S: LaneSystem<N>>(

@@ -133,7 +133,7 @@ impl Traces<'_> {
         let sign = |rows: &[Trace], row: u32| rows[row as usize].sign();
         for (index, segment) in self.memory.segments.iter().enumerate() {
             let Some(answer) = &mut answers[segment.row as usize] else { continue };
-            if (segment.stretch as usize) < self.rows[segment.row as usize].plan.hold {
+            if (segment.span as usize) < self.rows[segment.row as usize].plan.hold {
                 continue;
             }
             let sign = sign(&self.rows, segment.row);
@@ -156,7 +156,11 @@ impl Traces<'_> {
                 Lanes::from_fn(|lane| {
                     let (segment, knot) = turn(lane);
                     let knots = self.memory.segments[segment as usize].knots.clone();
-                    self.of_segment(segment).1.clock.time_and_pace(self.memory.knots[knots][knot as usize + end].at).0
+                    self.of_segment(segment)
+                        .1
+                        .transformation
+                        .time_and_pace(self.memory.knots[knots][knot as usize + end].at)
+                        .0
                 })
             });
             let reading = Prompt { inside, gain: Lanes::ONE, offset: Lanes::ZERO, drift: Lanes::ZERO };

@@ -50,7 +50,7 @@ pub struct Straight {
 }
 
 impl Straight {
-    /// The identity.
+    /// The record of a sensor that shows its reading unchanged.
     pub const READING: Self = Self { level: 0.0, gain: 1.0 };
 
     /// The line through two readings and what is shown for them.

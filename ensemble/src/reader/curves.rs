@@ -2,7 +2,7 @@
 
 use super::interpolant::{Interpolant, Stencils};
 use super::traces::{Job, LaggedPiece, PRESSURE, Trace, Traces};
-use crate::filter::{Lagged, ToPowers, kept};
+use crate::filter::{Lagged, ToPowers, decay_factor};
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::Curve;
 use crate::query::{Query, Question, Reading};
@@ -30,11 +30,11 @@ impl Traces<'_> {
             let lag = Lanes::from_fn(|lane| self.of_segment(piece(lane).segment).0.sensor.lag);
             let found = arch.dispatch(Follow { inside, to_powers: &self.memory.to_powers, from, length, lag });
             for (lane, &index) in group.iter().enumerate() {
-                let LaggedPiece { pressure, from, length, kept, fed, .. } = found;
+                let LaggedPiece { pressure, from, length, decay, fed, .. } = found;
                 let pressure = pressure.map(|term| term[lane]);
                 self.memory.pieces[index].lag = lags.len() as u32;
-                let [from, length, kept, fed] = [from, length, kept, fed].map(|of| of[lane]);
-                lags.push(LaggedPiece { pressure, from, length, kept, fed, begin: 0.0 });
+                let [from, length, decay, fed] = [from, length, decay, fed].map(|of| of[lane]);
+                lags.push(LaggedPiece { pressure, from, length, decay, fed, begin: 0.0 });
             }
         }
         for row in 0..self.rows.len() {
@@ -45,12 +45,12 @@ impl Traces<'_> {
             let mut reading = scenario.initial_pressure_pa;
             for index in self.pieces_of(row) {
                 let segment = &self.memory.segments[self.memory.pieces[index].segment as usize];
-                let elapsed = plan.stretches[segment.stretch as usize].elapsed;
+                let elapsed = plan.spans[segment.span as usize].elapsed;
                 let piece = &mut self.memory.pieces[index];
-                let LaggedPiece { pressure, kept, fed, begin, .. } = &mut lags[piece.lag as usize];
+                let LaggedPiece { pressure, decay, fed, begin, .. } = &mut lags[piece.lag as usize];
                 *begin = reading;
                 let gas = [pressure[0], pressure.iter().sum()];
-                let readings = [reading, reading * *kept + *fed];
+                let readings = [reading, reading * *decay + *fed];
                 for end in 0..2 {
                     piece.shown[end] = sensor.shown(readings[end], elapsed + piece.times[end]);
                     piece.slopes[end] = (gas[end] - readings[end]) / sensor.lag + sensor.drift;
@@ -121,7 +121,7 @@ impl WithSimd for Follow<'_> {
         let pressure = to_powers.of(&Interpolant::new(&inside), from, length);
         let stiffness = length / lag;
         let fed = Lagged { pressure, begin: Lanes::ZERO, stiffness }.at(Lanes::ONE);
-        LaggedPiece { pressure, from, length, kept: kept(stiffness), fed, begin: Lanes::ZERO }
+        LaggedPiece { pressure, from, length, decay: decay_factor(stiffness), fed, begin: Lanes::ZERO }
     }
 }
 

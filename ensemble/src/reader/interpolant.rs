@@ -6,8 +6,8 @@
 //! Reciprocals, because in a closed chamber they solve a linear equation: 1/P = (1/Pf)(1 − a e^(−kt)) while the piston is held has no
 //! poles, whereas P has.
 
-use crate::integrator::clock::Clock;
 use crate::integrator::step::View;
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::lanes::{Lanes, WIDTH};
 use crate::numerics::root::Curve;
 use chamber::real::{Real, reciprocals};
@@ -34,7 +34,7 @@ pub struct Knot {
 /// The knots used to interpolate a quantity, for one interval per lane: start and end of the interval, then neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencils {
-    clock: Clock<Lanes>,
+    transformation: TimeTransformation<Lanes>,
     /// Integrator times, and the quantity and its slope there.
     at: [Lanes; KNOTS],
     value: [Lanes; KNOTS],
@@ -44,15 +44,21 @@ pub struct Stencils {
 }
 
 impl Stencils {
-    /// For a quantity between a knot and the next; `of` returns clock, knots and the knot's index for each lane's segment.
-    pub fn new<'a>(quantity: usize, mut of: impl FnMut(usize) -> (&'a Clock, &'a [Knot], usize)) -> Self {
+    /// For a quantity between a knot and the next; `of` returns time transformation, knots and the knot's index for each lane's segment.
+    pub fn new<'a>(quantity: usize, mut of: impl FnMut(usize) -> (&'a TimeTransformation, &'a [Knot], usize)) -> Self {
         let zero = [Lanes::ZERO; KNOTS];
-        let mut all = Self { clock: Clock::default(), at: zero, value: zero, slope: zero, count: Lanes::ZERO };
+        let mut all = Self {
+            transformation: TimeTransformation::default(),
+            at: zero,
+            value: zero,
+            slope: zero,
+            count: Lanes::ZERO,
+        };
         for lane in 0..WIDTH {
-            let (clock, knots, index) = of(lane);
+            let (transformation, knots, index) = of(lane);
             let (picked, count) = pick(knots, index);
             let length = knots[index + 1].at - knots[index].at;
-            all.clock.load(lane, clock);
+            all.transformation.load(lane, transformation);
             for k in 0..KNOTS {
                 let Knot { at, view, .. } = &knots[picked[k]];
                 // Unused places must not coincide with others.
@@ -102,7 +108,7 @@ fn pick(knots: &[Knot], index: usize) -> ([usize; KNOTS], usize) {
 /// A quantity between two knots, one per lane, as a function of the time from the segment's start, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolant {
-    clock: Clock<Lanes>,
+    transformation: TimeTransformation<Lanes>,
     begin: Lanes,
     per_length: Lanes,
     /// Places of the knots; the interval reaches from 0 to 1.
@@ -114,7 +120,7 @@ impl Interpolant {
     /// The polynomial through the values and slopes of the stencils.
     #[inline(always)]
     pub fn new(stencils: &Stencils) -> Self {
-        let Stencils { clock, at, count, .. } = stencils;
+        let Stencils { transformation, at, count, .. } = stencils;
         let value = reciprocals(stencils.value);
         let mut slope = stencils.slope;
         for k in 0..KNOTS {
@@ -165,7 +171,7 @@ impl Interpolant {
             before = adds;
             product = product * distance * distance;
         }
-        Self { clock: *clock, begin: at[0], per_length, places, terms }
+        Self { transformation: *transformation, begin: at[0], per_length, places, terms }
     }
 }
 
@@ -173,7 +179,7 @@ impl Curve for Interpolant {
     /// Value at a time from the segment's start, s.
     #[inline(always)]
     fn at(&self, time: Lanes) -> Lanes {
-        let x = (self.clock.shown(time) - self.begin) * self.per_length;
+        let x = (self.transformation.shown(time) - self.begin) * self.per_length;
         let mut sum = self.terms[TERMS - 1];
         for order in (1..TERMS).rev() {
             sum = self.terms[order - 1] + (x - self.places[(order - 1) / 2]) * sum;
@@ -201,8 +207,8 @@ mod tests {
                 })
                 .collect();
             // Behind the kink.
-            let clock = Clock::new(1e-4, 1e-4, 2.0);
-            let inside = Interpolant::new(&Stencils::new(0, |_| (&clock, &knots, 4)));
+            let transformation = TimeTransformation::new(1e-4, 1e-4, 2.0);
+            let inside = Interpolant::new(&Stencils::new(0, |_| (&transformation, &knots, 4)));
             (inside.at(Lanes::from(1.1))[2] / relaxation(1.1, 2e3) - 1.0).abs()
         };
         assert!(error(true) < 1e-11 && error(false) > 1e-9, "{:e} {:e}", error(true), error(false));

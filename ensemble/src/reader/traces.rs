@@ -4,7 +4,7 @@
 use super::bends::{Bends, Straight};
 use super::interpolant::{Knot, Stencils};
 use crate::filter::{CUTS, TERMS, ToPowers};
-use crate::plan::{Plan, Stretch};
+use crate::plan::{Plan, TimeSpan};
 use crate::regression::Records;
 use crate::regression::samples::POINTS;
 use crate::scenario::Scenario;
@@ -30,14 +30,14 @@ impl Trace<'_> {
         if self.scenario.expands() { -1.0 } else { 1.0 }
     }
 
-    /// Cuts a segment, given by its index, stretch and knots, into pieces.
-    pub fn cut(&self, segment: u32, stretch: &Stretch, knots: &[Knot], pieces: &mut Vec<TracePiece>) {
+    /// Cuts a segment, given by its index, span and knots, into pieces.
+    pub fn cut(&self, segment: u32, span: &TimeSpan, knots: &[Knot], pieces: &mut Vec<TracePiece>) {
         let Sensor { lag, drift, .. } = self.sensor;
         let mut cuts = CUTS.map(|cut| cut * lag).into_iter().peekable();
         // Time, reading and its slope for an instantaneous sensor.
         let seen = |knot: &Knot| {
-            let (time, pace) = stretch.clock.time_and_pace(knot.at);
-            let shown = self.sensor.shown(knot.view.value[PRESSURE], stretch.elapsed + time);
+            let (time, pace) = span.transformation.time_and_pace(knot.at);
+            let shown = self.sensor.shown(knot.view.value[PRESSURE], span.elapsed + time);
             (time, shown, knot.view.slope[PRESSURE] / pace + drift)
         };
         let mut begin = seen(&knots[0]);
@@ -83,11 +83,11 @@ pub struct Memory {
     pub records: Records,
 }
 
-/// A stretch of a row and its knots.
+/// A span of a row and its knots.
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub row: u32,
-    pub stretch: u32,
+    pub span: u32,
     pub knots: Range<usize>,
 }
 
@@ -119,7 +119,7 @@ pub struct Cut {
     pub turns: Range<usize>,
 }
 
-/// The effect of a piece on the reading of a lagging sensor: at its end the reading is `kept` times the initial one plus `fed`, Pa.
+/// The effect of a piece on the reading of a lagging sensor: at its end the reading is `decay` times the initial one plus `fed`, Pa.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LaggedPiece<R> {
     /// Coefficients of the gas pressure, Pa, in powers of the place from 0 to 1.
@@ -127,7 +127,7 @@ pub struct LaggedPiece<R> {
     /// Start and length, s.
     pub from: R,
     pub length: R,
-    pub kept: R,
+    pub decay: R,
     pub fed: R,
     /// Reading at its start, Pa, once it is known.
     pub begin: R,
@@ -147,7 +147,7 @@ impl Job {
     }
 }
 
-/// The first stretch of a row that is read.
+/// The first span of a row that is read.
 pub fn seen_from(plan: &Plan, sensor: &Sensor) -> usize {
     if sensor.lag > 0.0 { 0 } else { plan.window[0].min(plan.hold) }
 }
@@ -171,14 +171,14 @@ impl<'a> Traces<'a> {
         self.rows.push(Trace { scenario, plan, sensor, bends });
     }
 
-    /// Adds a stretch of that row; `fill` appends its knots.
-    pub fn stretch(&mut self, stretch: usize, fill: impl FnOnce(&mut Vec<Knot>)) {
+    /// Adds a span of that row; `fill` appends its knots.
+    pub fn span(&mut self, span: usize, fill: impl FnOnce(&mut Vec<Knot>)) {
         let knots = &mut self.memory.knots;
         let from = knots.len();
         fill(knots);
         if knots.len() > from + 1 {
-            let (row, stretch) = (self.rows.len() as u32 - 1, stretch as u32);
-            self.memory.segments.push(Segment { row, stretch, knots: from..knots.len() });
+            let (row, span) = (self.rows.len() as u32 - 1, span as u32);
+            self.memory.segments.push(Segment { row, span, knots: from..knots.len() });
         }
     }
 
@@ -192,11 +192,11 @@ impl<'a> Traces<'a> {
         self.memory.knots.len()
     }
 
-    /// The row of a segment, and its stretch.
-    pub fn of_segment(&self, segment: u32) -> (&Trace<'a>, &Stretch) {
-        let Segment { row, stretch, .. } = self.memory.segments[segment as usize];
+    /// The row of a segment, and its span.
+    pub fn of_segment(&self, segment: u32) -> (&Trace<'a>, &TimeSpan) {
+        let Segment { row, span, .. } = self.memory.segments[segment as usize];
         let row = &self.rows[row as usize];
-        (row, &row.plan.stretches[stretch as usize])
+        (row, &row.plan.spans[span as usize])
     }
 
     /// Cuts all records into pieces.
@@ -209,10 +209,10 @@ impl<'a> Traces<'a> {
             let begin = pieces.len();
             let mut shown = begin..begin;
             while let Some((index, segment)) = segments.next_if(|(_, segment)| segment.row as usize == number) {
-                let (stretch, from) = (segment.stretch as usize, pieces.len());
-                row.cut(index as u32, &row.plan.stretches[stretch], &knots[segment.knots.clone()], pieces);
+                let (span, from) = (segment.span as usize, pieces.len());
+                row.cut(index as u32, &row.plan.spans[span], &knots[segment.knots.clone()], pieces);
                 let [first, end] = row.plan.window;
-                if (first..end).contains(&stretch) {
+                if (first..end).contains(&span) {
                     shown = if shown.is_empty() { from } else { shown.start }..pieces.len();
                 }
             }
@@ -241,7 +241,7 @@ impl<'a> Traces<'a> {
         Stencils::new(quantity, |lane| {
             let (segment, knot) = interval(lane);
             let knots = self.memory.segments[segment as usize].knots.clone();
-            (&self.of_segment(segment).1.clock, &self.memory.knots[knots], knot as usize)
+            (&self.of_segment(segment).1.transformation, &self.memory.knots[knots], knot as usize)
         })
     }
 }

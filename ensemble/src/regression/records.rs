@@ -11,7 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// A part of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordPart<R = f64> {
-    /// Its samples.
+    /// Which samples of the record it covers: the first, and their number.
     pub samples: Samples<R>,
     /// Pressures at the nodes of their sum.
     pub pressure: [R; POINTS],

@@ -12,7 +12,7 @@ use crate::integrator::step::LaneSystem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::{Failure, Outcome, closure};
 use crate::regression::{Guess, Records};
-use crate::systems::list::Way;
+use crate::systems::list::Method;
 use crate::systems::settling;
 use crate::systems::test_system::{Holding, TestSystem, Within};
 use crate::systems::turns;
@@ -84,7 +84,7 @@ pub fn push<const N: usize, T: TestSystem<N>>(
     advance(arch, &T::Moving::default(), tests, problems, relative, &mut ());
 }
 
-impl<const N: usize, T: TestSystem<N>> Way for Memory<N, T> {
+impl<const N: usize, T: TestSystem<N>> Method for Memory<N, T> {
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         rows.sort_by_cached_key(|row| T::kind(&batch.scenarios[*row as usize]));
         run(batch, self, rows, left, out);

@@ -1,5 +1,5 @@
 //! The paper's model with the port closed and decaying turbulence, in lanes: beside the gas temperature, as in [`crate::systems::sealed`],
-//! the factor f = 1 + k u of the heat transfer coefficient is a state. With the same clock,
+//! the factor f = 1 + k u of the heat transfer coefficient is a state. With the same transformed time,
 //!
 //! dT/ds = T (f q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  df/ds = (1 + k |ẋ| − f) p w³/τ
 //!
@@ -78,12 +78,12 @@ impl LaneSystem<2> for Moving {
     fn load(&mut self, lane: usize, test: &TurbulenceTest) {
         self.gas.load(lane, &test.gas);
         self.steady[lane] = test.steady;
-        self.decay[lane] = test.decay * test.gas.clock.pace_factor;
+        self.decay[lane] = test.decay * test.gas.transformation.pace_factor;
     }
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
-        let root = self.gas.clock.root(s);
+        let root = self.gas.transformation.root(s);
         let square = root * root;
         let temperature = state * state;
         let warmer = factor * (self.gas.wall - temperature);

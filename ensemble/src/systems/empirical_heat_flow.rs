@@ -1,5 +1,5 @@
 //! The paper's model with the port closed and an additional heat flow that is a function of the pressure, in lanes: an
-//! [`empirical`](chamber::effects::empirical) curve of that kind. With the clock of [`crate::systems::sealed`],
+//! [`empirical`](chamber::effects::empirical) curve of that kind. With the transformed time of [`crate::systems::sealed`],
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w) + y(P) p w³/(m cv),  q = c p (a1 w⁴ + a0) w (Tw − T),  P = m R T/w⁴
 //! y(P) = y0 + Σ b max(P − P_k, 0)
@@ -137,12 +137,12 @@ impl LaneSystem<1> for Moving {
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &HeatFlowTest) {
         self.gas.load(lane, &test.gas);
-        self.source.load(lane, test, test.gas.clock.pace_factor, test.gas.closed.mass_gas_constant);
+        self.source.load(lane, test, test.gas.transformation.pace_factor, test.gas.closed.mass_gas_constant);
     }
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[state]: &[Lanes; 1]) -> Moment<1> {
-        let root = self.gas.clock.root(s);
+        let root = self.gas.transformation.root(s);
         let square = root * root;
         // Two quotients by one division.
         let per_both = (root * state).recip();
@@ -153,7 +153,7 @@ impl LaneSystem<1> for Moving {
         let heat = self.gas.exchange_at([root, square]) * (self.gas.wall - temperature) + source;
         let work = self.gas.expansion_rate * per_root;
         // P is proportional to T/w⁴.
-        let rise = pressure * (heat - work - self.gas.clock.root_rate * per_root * 4.0);
+        let rise = pressure * (heat - work - self.gas.transformation.root_rate * per_root * 4.0);
         let view = View { value: [pressure, temperature], slope: [rise, Lanes::ZERO] };
         let power = [temperature * heat, temperature * work];
         Moment { slope: [state * 0.5 * (heat - work)], view, power }
@@ -166,7 +166,7 @@ impl LaneSystem<1> for Moving {
 
     #[inline(always)]
     fn widening(&self, at: Lanes) -> Lanes {
-        self.gas.clock.widening(at)
+        self.gas.transformation.widening(at)
     }
 
     #[inline(always)]

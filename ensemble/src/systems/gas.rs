@@ -1,7 +1,7 @@
-//! The gas of a test without effects and the clock of its push.
+//! The gas of a test without effects and the transformation of time over its push.
 
 use crate::ending::AfterPush;
-use crate::integrator::clock::Clock;
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::outcome::Failure;
 use crate::scenario::Scenario;
 use chamber::exact::Closed;
@@ -11,8 +11,8 @@ use chamber::exact::Closed;
 pub struct SealedTest {
     /// c a1, c a0, γ − 1, Tw and m R.
     pub closed: Closed,
-    /// The clock of the push.
-    pub clock: Clock,
+    /// The transformation of time over the push.
+    pub transformation: TimeTransformation,
     /// Volume of the hold, m³.
     pub held_volume: f64,
     /// 1/τ_f, 1/s: c Aq/√V Tw in the hold.

@@ -18,7 +18,7 @@ mod wall_heating;
 use crate::batch::Features;
 use chamber::effects::EffectSet;
 use flows::{FlowTest, Gap, Orifice};
-use list::{List, Way};
+use list::{List, Method};
 
 /// A chunk's rows with specialised equations, one list for each kind.
 #[derive(Default)]
@@ -70,7 +70,7 @@ impl Systems {
     }
 
     /// The lists in the order of solution.
-    pub fn lists(&mut self) -> [&mut List<dyn Way>; 9] {
+    pub fn lists(&mut self) -> [&mut List<dyn Method>; 9] {
         [
             &mut self.sealed, &mut self.wall_heating, &mut self.decaying_turbulence, &mut self.empirical_heat_flow,
             &mut self.natural_convection, &mut self.integrated_convection, &mut self.orifices, &mut self.gaps,

@@ -3,15 +3,15 @@
 //!
 //! dT/dt = T (c (a1 V + a0)/√V (Tw − T) − (γ − 1) V̇/V),  c = λ0 √(m R/(P0 T0))/(m cv),  Aq = a1 V + a0
 //!
-//! While the piston moves, the clock is that of [`crate::integrator::clock`]: w = V^(1/4) is linear in s, and
+//! While the piston moves, the independent variable is that of [`crate::integrator::time_transformation`]: w = V^(1/4) is linear in s, and
 //!
 //! dT/ds = T (c p (a1 w⁴ + a0) w (Tw − T) − 4 (γ − 1) w'/w),  dt/ds = p w³
 //!
 //! needs one division per evaluation and no root. While the piston rests, V and all functions of it are constant. The state is √T, so
 //! that the integrals of heat and work over a step are independent of the integral of the state. T in K, V in m³, energies over m cv.
 
-use crate::integrator::clock::Clock;
 use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::lanes::Lanes;
 use crate::regression::Guess;
 use crate::scenario::Scenario;
@@ -32,7 +32,7 @@ impl TestSystem<1> for SealedTest {
         let closed = Closed::filled(&s.chamber, pressure, start, volume, s.ambient_temperature_k);
         Self {
             closed,
-            clock: Clock::new(volume, held_volume, s.push_time_s),
+            transformation: TimeTransformation::new(volume, held_volume, s.push_time_s),
             held_volume,
             rate: closed.rate(held_volume),
         }
@@ -52,8 +52,8 @@ impl TestSystem<1> for SealedTest {
 /// Tests, one per lane, while their pistons move.
 #[derive(Clone, Default)]
 pub struct Moving {
-    /// Their clocks.
-    pub clock: Clock<Lanes>,
+    /// Their transformations of time.
+    pub transformation: TimeTransformation<Lanes>,
     /// c a1 p and c a0 p.
     exchange: [Lanes; 2],
     /// 4 (γ − 1) w'.
@@ -69,7 +69,7 @@ impl Moving {
         (self.exchange[0] * (square * square) + self.exchange[1]) * root
     }
 
-    /// Heat and work over m cv T, per unit of the clock, at w and w²; `warmer` is the wall's temperature less that of the gas, K.
+    /// Heat and work over m cv T, per unit of transformed time, at w and w²; `warmer` is the wall's temperature less that of the gas, K.
     #[inline(always)]
     pub fn heat_and_work(&self, at: [Lanes; 2], warmer: Lanes) -> [Lanes; 2] {
         [self.exchange_at(at) * warmer, self.expansion_rate / at[0]]
@@ -81,16 +81,16 @@ impl LaneSystem<1> for Moving {
 
     #[inline(always)]
     fn load(&mut self, lane: usize, test: &SealedTest) {
-        self.clock.load(lane, &test.clock);
-        self.exchange[0][lane] = test.closed.exchange[0] * test.clock.pace_factor;
-        self.exchange[1][lane] = test.closed.exchange[1] * test.clock.pace_factor;
-        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.clock.root_rate;
+        self.transformation.load(lane, &test.transformation);
+        self.exchange[0][lane] = test.closed.exchange[0] * test.transformation.pace_factor;
+        self.exchange[1][lane] = test.closed.exchange[1] * test.transformation.pace_factor;
+        self.expansion_rate[lane] = 4.0 * test.closed.expansion * test.transformation.root_rate;
         self.wall[lane] = test.closed.ambient_temperature;
     }
 
     #[inline(always)]
     fn rates(&self, t: Lanes, y: &[Lanes; 1]) -> Moment<1> {
-        let root = self.clock.root(t);
+        let root = self.transformation.root(t);
         let square = root * root;
         let temperature = y[0] * y[0];
         let [heat, work] = self.heat_and_work([root, square], self.wall - temperature);

@@ -41,7 +41,7 @@ pub trait TestSystem<const N: usize>: Sized {
     fn start_reading(&self, scenario: &Scenario) -> f64 {
         scenario.initial_temperature_k
     }
-    /// The gas and its clock.
+    /// The gas and its time transformation.
     fn gas(&self) -> &SealedTest;
     /// Temperatures, K, in two states with these readings.
     #[inline]

@@ -1,5 +1,5 @@
 //! The paper's model with the port closed and a wall that the gas warms and the surroundings cool, in lanes: beside the gas temperature,
-//! as in [`crate::systems::sealed`], the wall temperature is a state. With the same clock,
+//! as in [`crate::systems::sealed`], the wall temperature is a state. With the same transformed time,
 //!
 //! dT/ds = T (q − 4 (γ − 1) w'/w),  q = c p (a1 w⁴ + a0) w (Tw − T),  dTw/ds = −r T q + g p w³ (Tamb − Tw)
 //! r = m cv/C_w,  g = G/C_w
@@ -103,12 +103,12 @@ impl LaneSystem<2> for Moving {
     fn load(&mut self, lane: usize, test: &WallHeatingTest) {
         self.gas.load(lane, &test.gas);
         self.share[lane] = test.share;
-        self.cooling[lane] = test.cooling * test.gas.clock.pace_factor;
+        self.cooling[lane] = test.cooling * test.gas.transformation.pace_factor;
     }
 
     #[inline(always)]
     fn rates(&self, t: Lanes, &[state, wall]: &[Lanes; 2]) -> Moment<2> {
-        let root = self.gas.clock.root(t);
+        let root = self.gas.transformation.root(t);
         let square = root * root;
         let temperature = state * state;
         let [heat, work] = self.gas.heat_and_work([root, square], wall - temperature);

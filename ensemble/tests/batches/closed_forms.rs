@@ -1,12 +1,12 @@
 //! Effects that keep the closed form, or whose hold is an integral: against the integrator and against exact solutions.
 
-use crate::common::{assert_close, assert_same, convective, kept, relaxing, remembering, results, sealed};
+use crate::common::{assert_close, assert_same, convective, relaxing, remembering, results, sealed, with_closed_form};
 use chamber::effects;
 use ensemble::{Failure, Options, Outcome, Scenario, Solver};
 
 #[test]
 fn effects_that_keep_the_closed_form_agree_with_the_integrator_whatever_is_beside_them() {
-    let (set, rows) = kept(256);
+    let (set, rows) = with_closed_form(256);
     let with = |solver| results(set, &rows, &Options { solver, ..Options::default() });
     for (k, (exact, integrated)) in with(Solver::Auto).iter().zip(with(Solver::Adaptive)).enumerate() {
         assert!(exact.exact && !integrated.exact);

@@ -117,18 +117,18 @@ pub fn relaxing(count: usize) -> (EffectSet, Vec<Scenario>) {
 }
 
 /// Rows with the effects that keep the closed form; in every other one the heat exchange is linear in the volume.
-pub fn kept(count: usize) -> (EffectSet, Vec<Scenario>) {
-    let kept: EffectSet =
+pub fn with_closed_form(count: usize) -> (EffectSet, Vec<Scenario>) {
+    let set: EffectSet =
         effects::all().filter(|(_, card)| card.closed_form == ClosedForm::Kept).map(|(index, _)| index).collect();
     let rows = changed(count, 31, |row, s, r| {
-        for index in kept.iter() {
+        for index in set.iter() {
             spread(s, index, || r.between(-0.2, 1.2));
         }
         if row % 2 == 0 {
             s.chamber.effects.of_mut(GasColumnLength::INDEX)[0] = 0.0;
         }
     });
-    (kept, rows)
+    (set, rows)
 }
 
 /// A range around the pressures of the row of index `k`, Pa, and one to eight knots in it.

@@ -1,8 +1,8 @@
 //! Rows are independent of their neighbours and their place, and, except for rounding, of the instruction set.
 
 use crate::common::{
-    assert_independent, assert_same, convective, flowing, heated, kept, relaxing, remembering, results, sealed,
-    stirred, varied, walled, with_a_curve_of_the_reading, with_instructions,
+    assert_independent, assert_same, convective, flowing, heated, relaxing, remembering, results, sealed, stirred,
+    varied, walled, with_a_curve_of_the_reading, with_closed_form, with_instructions,
 };
 use crate::numbers::Numbers;
 use chamber::EffectSet;
@@ -12,7 +12,7 @@ use ensemble::{InstructionSet, Options, Solver};
 #[test]
 fn a_row_does_not_depend_on_its_neighbours() {
     let (natural, [convective, _]) = convective(300);
-    let (set, mut lagging) = kept(300);
+    let (set, mut lagging) = with_closed_form(300);
     let mut r = Numbers(5);
     for s in &mut lagging {
         s.chamber.effects.of_mut(SensorLag::INDEX)[0] = r.log_between(1e-4, 0.3);
@@ -31,7 +31,7 @@ fn a_row_does_not_depend_on_its_neighbours() {
         ((natural, convective.clone()), Solver::Auto),
         ((natural, convective), Solver::Adaptive),
         ((set.union(SensorLag::SET), lagging), Solver::Auto),
-        (kept(300), Solver::Auto),
+        (with_closed_form(300), Solver::Auto),
         (with_a_curve_of_the_reading(100), Solver::Auto),
     ] {
         let options = Options { solver, ..Options::default() };

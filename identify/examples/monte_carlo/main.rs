@@ -15,7 +15,7 @@ use identify::fit::{self, Fit, Linear};
 use identify::judge::misfit;
 use identify::outcome::{diagnosis, estimates};
 use identify::parameters::{Model, Sizes, names};
-use identify::record::block::Block;
+use identify::record::blocks::Block;
 use identify::record::data::{Data, Prepared};
 use identify::search::{self, Found, Verdict, baseline, reweighting, starts};
 use identify::synthetic::visibility;
@@ -127,7 +127,7 @@ fn line_of_true_model(set: &sets::Set, begun: Instant) -> Result<String, identif
     let model = Model::with(set.recipe.chamber.active());
     let fitted = |data: &Data, part: &Fit| starts::fit_model(data, model, part, &sizes);
     let refitted = fitted(&data, &paper).and_then(|rough| {
-        let data = reweighting::as_shown_by(&data, &rough, true).unwrap_or_else(|| data.clone());
+        let data = reweighting::reweighted(&data, &rough, true).unwrap_or_else(|| data.clone());
         fitted(&data, &rough).map(|fit| deviations(set, &data, &fit))
     });
     let rows: usize = data.traces.iter().map(|t| t.time_s.len()).sum();

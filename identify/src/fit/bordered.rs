@@ -38,7 +38,7 @@ pub struct Step {
     /// Step in each record's coordinates.
     pub records: Vec<Vec<f64>>,
     /// Predicted decrease of χ².
-    pub promised: f64,
+    pub predicted_decrease: f64,
 }
 
 impl Step {
@@ -120,9 +120,9 @@ impl System {
                 }
             }
             if at_ends.len() == before {
-                let promised = self.promised(&rig, &records);
+                let predicted_decrease = self.predicted_decrease(&rig, &records);
                 let records = records.into_iter().map(|record| record.as_slice().to_vec()).collect();
-                return Some(Step { rig: rig.as_slice().to_vec(), records, promised });
+                return Some(Step { rig: rig.as_slice().to_vec(), records, predicted_decrease });
             }
             at_ends[before..].iter().for_each(|&(record, number, end)| system.hold(record, number, end));
         }
@@ -177,7 +177,7 @@ impl System {
     }
 
     /// Predicted decrease of χ² for a step.
-    fn promised(&self, rig: &DVector<f64>, records: &[DVector<f64>]) -> f64 {
+    fn predicted_decrease(&self, rig: &DVector<f64>, records: &[DVector<f64>]) -> f64 {
         let of_record = |(part, x): (&Part, &DVector<f64>)| {
             2.0 * x.dot(&(&part.right - part.coupling.tr_mul(rig))) - x.dot(&(&part.square * x))
         };
@@ -212,13 +212,13 @@ mod tests {
         let of_rig = step(by_both.clone(), none, Room { rig: vec![wide, bounded], records: vec![Vec::new()] });
         let [x, y] = [0, 1].map(|k| by_both.columns(k, 1).into_owned());
         let of_record = step(x, y, Room { rig: vec![wide], records: vec![vec![bounded]] });
-        for (x, y, promised) in [
-            (of_rig.rig[0], of_rig.rig[1], of_rig.promised),
-            (of_record.rig[0], of_record.records[0][0], of_record.promised),
+        for (x, y, decrease) in [
+            (of_rig.rig[0], of_rig.rig[1], of_rig.predicted_decrease),
+            (of_record.rig[0], of_record.records[0][0], of_record.predicted_decrease),
         ] {
             assert_eq!(y, 1.0);
             assert!((x - 1.0).abs() < 1e-4, "{x}");
-            assert!((promised - (64.0 - 36.0)).abs() < 1e-2, "{promised}");
+            assert!((decrease - (64.0 - 36.0)).abs() < 1e-2, "{decrease}");
         }
     }
 

@@ -20,8 +20,8 @@ use nalgebra::DVector;
 pub struct Until {
     /// Maximum number of iterations.
     pub iterations: usize,
-    /// A descent ends when a step promises to reduce χ² by less than this, times χ² over its expectation (the measure in which
-    /// the evidence counts χ²).
+    /// A descent ends when the predicted decrease of χ² is less than this, times χ² over its expectation (the measure in which the
+    /// evidence counts χ²).
     pub gain: f64,
     /// It also ends after this many successive iterations that gained less.
     pub slow_iterations: usize,
@@ -171,7 +171,7 @@ struct Trial {
 enum Next {
     /// A step led to a lower sum of squares.
     Lower(Trial),
-    /// No step promises a significant gain, or none leads down within the accuracy of the simulation.
+    /// No step is predicted to gain significantly, or none leads down within the accuracy of the simulation.
     Minimum,
     /// The maximum number of dampings was reached.
     Nowhere,
@@ -196,11 +196,11 @@ impl Problem<'_> {
                 *damping = (*damping * MORE).max(LEAST_OF_SINGULAR);
                 continue;
             };
-            if step.promised < settled {
+            if step.predicted_decrease < settled {
                 return Next::Minimum;
             }
             let straight = self.trial(here, linear, &step);
-            let promised = step.promised;
+            let predicted = step.predicted_decrease;
             let bent = match &straight {
                 Some(trial) if attempt < BENT && !leads_down(trial) => system
                     .with_residuals(linear, &missed(linear, &step, &trial.residuals))
@@ -209,7 +209,7 @@ impl Problem<'_> {
                 _ => None,
             };
             if let Some(trial) = straight.into_iter().chain(bent).find(leads_down) {
-                if here.chi2 - trial.chi2 > KEPT * promised {
+                if here.chi2 - trial.chi2 > KEPT * predicted {
                     *damping *= LESS;
                 }
                 *damping = damping.max(LEAST_DAMPING);
@@ -244,8 +244,8 @@ impl Problem<'_> {
 fn missed(linear: &[Linear], step: &Step, after: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let rig = DVector::from_column_slice(&step.rig);
     let of_record = |((l, record), after): ((&Linear, &Vec<f64>), &Vec<f64>)| {
-        let promised = &l.by_rig * &rig + &l.by_record * DVector::from_column_slice(record);
-        (0..after.len()).map(|i| after[i] - (l.residual[i] - promised[i])).collect()
+        let predicted = &l.by_rig * &rig + &l.by_record * DVector::from_column_slice(record);
+        (0..after.len()).map(|i| after[i] - (l.residual[i] - predicted[i])).collect()
     };
     linear.iter().zip(&step.records).zip(after).map(of_record).collect()
 }
@@ -273,7 +273,7 @@ mod tests {
                 mesh: Mesh::default(),
             };
             let straight = model(target);
-            let step = Step { rig: vec![straight], records: vec![Vec::new()], promised: 0.0 };
+            let step = Step { rig: vec![straight], records: vec![Vec::new()], predicted_decrease: 0.0 };
             let bend = missed(&[linear], &step, &[residual(straight)])[0][0];
             assert!((bend + 0.5 * straight * straight).abs() < 1e-15, "{bend}");
             [straight, straight + bend].map(|x| (x - target).abs())

@@ -3,8 +3,8 @@
 use super::linear::{Linear, readings};
 use crate::parameters::{Axis, Hypothesis, Setting, Slot};
 use crate::policy;
-use crate::record::between_rows::SensorTiming;
 use crate::record::data::{Data, Prepared};
+use crate::record::reconstruction::between_rows::SensorTiming;
 use chamber::Chamber;
 use chamber::effects::{CARDS, EffectValues, ForcedConvection};
 use nalgebra::{DMatrix, DVector};
@@ -53,7 +53,7 @@ pub struct Fit {
 
 impl Fit {
     /// Whether a rig parameter with a prior has reached the end of its allowed range: [`policy::DEVIATIONS_BEFOREHAND`].
-    pub fn is_beyond_belief(&self) -> bool {
+    pub fn is_at_prior_limit(&self) -> bool {
         const NEARLY: f64 = 0.999;
         let most = NEARLY * policy::DEVIATIONS_BEFOREHAND;
         let is_far = |(x, axis): (&f64, &Axis)| axis.prior.is_some_and(|[mean, sd]| (x - mean).abs() > most * sd);
@@ -75,9 +75,10 @@ impl Fit {
         self.rig.iter().zip(&self.hypothesis.axes).find(is_exhausted).map(|(_, axis)| axis.slot)
     }
 
-    /// Whether moving the stated parameters removes a large part of the squares beyond noise: [`policy::EASED`].
-    pub fn is_eased_by_moves(&self) -> bool {
-        self.chi2 - self.marginal > policy::EASED * (self.chi2 - self.blocks as f64)
+    /// Whether moving the stated parameters removes a large part of the squares beyond noise:
+    /// [`policy::EXCESS_REMOVED_BY_MOVES`].
+    pub fn is_improved_by_moves(&self) -> bool {
+        self.chi2 - self.marginal > policy::EXCESS_REMOVED_BY_MOVES * (self.chi2 - self.blocks as f64)
     }
 
     /// Whether the records' ambient temperatures would have to scatter by more than is credible: [`policy::TOLERANCES`].

@@ -2,7 +2,7 @@
 
 use crate::forward::Run;
 use crate::parameters::{Hypothesis, Setting};
-use crate::record::block::Block;
+use crate::record::blocks::Block;
 use crate::record::data::{Data, Prepared};
 use chamber::dual::Dual;
 use chamber::effects::EffectSet;

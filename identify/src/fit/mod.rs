@@ -65,11 +65,11 @@ pub fn fit_until(
 }
 
 /// Sum of squares predicted after the first step from these coordinates; `None` where the simulation fails.
-pub fn promise(data: &Data, hypothesis: &Hypothesis, rig: &[f64], records: &[Vec<f64>]) -> Option<f64> {
+pub fn predicted_squares(data: &Data, hypothesis: &Hypothesis, rig: &[f64], records: &[Vec<f64>]) -> Option<f64> {
     let linear = linearise(data, hypothesis, rig, records, &all_blocks(data), None).ok()?;
     let room = Room::around(hypothesis, &record_axes(data, hypothesis), rig, records);
     let step = System::new(&linear, hypothesis.axes.len()).step(&room, 1e-4)?;
-    Some((total(&linear) - step.promised).max(0.0))
+    Some((total(&linear) - step.predicted_decrease).max(0.0))
 }
 
 /// Sum of squares that a model's effects which shift or smear records may remove merely by smoothing the noise of the stroke.

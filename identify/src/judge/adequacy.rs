@@ -9,7 +9,8 @@ use crate::discrepancy::{Families, Missing};
 use crate::fit::Fit;
 use crate::judge::misfit;
 use crate::policy::{
-    FAMILY_PROBABILITY, LITTLE, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, PLAIN_SHAPE, SQUARES_DEVIATIONS, TOLERANCES,
+    FAMILY_PROBABILITY, NEXT_TO_NOTHING, NOISE_MODEL_SHARE, PLAIN_SHAPE, REMAINING_WITHIN_ACCURACY, SQUARES_DEVIATIONS,
+    TOLERANCES,
 };
 use crate::record::data::Data;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -85,8 +86,8 @@ impl Adequacy {
     /// little of it that is good enough. Good enough alone does not suffice: a structured remainder that is a large part of the
     /// earlier misfit shows that something else is at work, which the named effects may imitate.
     pub fn explains(&self, before_pa: f64) -> bool {
-        let is_little = self.is_good_enough && self.systematic_pa < LITTLE * before_pa;
-        self.is_noise || self.is_next_to_nothing(before_pa) || is_little
+        let is_minor = self.is_good_enough && self.systematic_pa < REMAINING_WITHIN_ACCURACY * before_pa;
+        self.is_noise || self.is_next_to_nothing(before_pa) || is_minor
     }
 
     /// Whether more than next to nothing remains of a systematic misfit of `before_pa`, with a shape that is certainly not noise.

@@ -9,7 +9,7 @@
 use crate::fit::{Fit, readings};
 use crate::parameters::Setting;
 use crate::policy::FAR_BEYOND_NOISE;
-use crate::record::block::Block;
+use crate::record::blocks::Block;
 use crate::record::data::{Data, Prepared};
 use crate::record::repeats;
 use crate::record::stroke::{Phase, Segment};

@@ -18,7 +18,7 @@ pub fn sentence(data: &Data, fit: &Fit) -> Option<String> {
     let far: Vec<String> =
         moves.filter(|(slot, moved, _)| moved.abs() > TOLERANCES && !slot.is_wave()).map(asked).collect();
     let check = if far.len() > 1 { "check them" } else { "check it" };
-    (!far.is_empty() && fit.is_eased_by_moves())
+    (!far.is_empty() && fit.is_improved_by_moves())
         .then(|| format!("the records ask for {}: {check}", far.join(", and for ")))
 }
 

@@ -9,7 +9,7 @@ use crate::characteristic::Characteristic;
 use crate::forward::Correction;
 use crate::policy;
 use crate::record::data::{Data, Prepared};
-use crate::record::gaps;
+use crate::record::reconstruction::gaps;
 use chamber::card::{Fitted, Kind, Parameter, Prior, Unit};
 use chamber::effects::{CARDS, PARAMETER_OFFSETS};
 use chamber::real::Real;

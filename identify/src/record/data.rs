@@ -1,19 +1,19 @@
 //! What a fit sees of a rig: the course of the surroundings and block means of the pressure with their noise.
 
 use crate::policy;
-use crate::record::between_rows::SensorTiming;
-use crate::record::block::{Block, blocks};
-use crate::record::common_errors;
-use crate::record::convection_errors;
+use crate::record::blocks::common_errors;
+use crate::record::blocks::convection_errors;
+use crate::record::blocks::{Block, blocks};
 use crate::record::course::Course;
-use crate::record::gaps;
+use crate::record::noise::whiten::{Observation, RELAXING, Whitener};
 use crate::record::noise::{self, Noise};
-use crate::record::positions::Positions;
-use crate::record::readout::Readout;
+use crate::record::reconstruction::between_rows::SensorTiming;
+use crate::record::reconstruction::gaps;
+use crate::record::reconstruction::unresolved;
+use crate::record::sampling::readout::Readout;
+use crate::record::stroke::positions::Positions;
 use crate::record::stroke::{Phase, Spline};
 use crate::record::unit::Doubt;
-use crate::record::unresolved;
-use crate::record::whiten::{Observation, RELAXING, Whitener};
 use chamber::Gas;
 use records::units::Unit;
 use records::{Cylinder, LineNumbers, Tolerance, extremes, median};

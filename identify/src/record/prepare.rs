@@ -1,24 +1,26 @@
 //! Prepares a rig's traces for a fit.
 
 use crate::error::Error;
-use crate::record::between_rows::SensorTiming;
 use crate::record::course::Course;
 use crate::record::data::{Data, Prepared, RELATIVE_TOLERANCES};
 use crate::record::first_volume::first_guess;
-use crate::record::jitter::{self, Stamped, Times};
-use crate::record::level;
+use crate::record::noise::whiten::Whitener;
 use crate::record::noise::{Noise, Quiet};
-use crate::record::outliers;
-use crate::record::positions::Positions;
-use crate::record::readout::{Between, Readings, Readout, of_logger};
-use crate::record::row_time::usual_row_s;
-use crate::record::saturation::{self, End};
-use crate::record::start_up;
+use crate::record::plausibility::checks;
+use crate::record::plausibility::level;
+use crate::record::plausibility::outliers;
+use crate::record::plausibility::saturation::{self, End};
+use crate::record::plausibility::start_up;
+use crate::record::reconstruction::between_rows::SensorTiming;
+use crate::record::reconstruction::gaps;
+use crate::record::sampling::clock;
+use crate::record::sampling::jitter::{self, Stamped, Times};
+use crate::record::sampling::readout::{Between, Readings, Readout, of_logger};
+use crate::record::sampling::row_time::usual_row_s;
+use crate::record::stroke::positions::Positions;
+use crate::record::stroke::turning_points::turning_points;
 use crate::record::stroke::{Motion, Phase, Spline};
-use crate::record::turning_points::turning_points;
 use crate::record::unit::Declared;
-use crate::record::whiten::Whitener;
-use crate::record::{checks, clock, gaps};
 use records::{Line, Rig, Trace, opened_from, shut_from};
 use std::borrow::Cow;
 use std::ops::Range;

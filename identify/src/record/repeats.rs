@@ -4,8 +4,8 @@
 //! piston or its sensor creeps to its place, the number of rows that count as the end of a move depends on the positions' noise,
 //! and a relaxation compared with a later part of itself would look like pressure noise.
 
-use super::data::{Data, Prepared};
-use super::stroke::Phase;
+use crate::record::data::{Data, Prepared};
+use crate::record::stroke::Phase;
 
 /// Indices of an experiment's records among all records, without those unlike the others.
 pub fn of(data: &Data, experiment: usize) -> Vec<usize> {

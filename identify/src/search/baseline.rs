@@ -5,9 +5,11 @@ use crate::fit::{self, Failure, Fit};
 use crate::judge::misfit;
 use crate::parameters::{Hypothesis, Model, Sizes, first_chamber};
 use crate::policy::FIRST_GUESS_REACH;
+use crate::record::colour;
 use crate::record::data::Data;
 use crate::record::noise::Noise;
-use crate::record::{colour, outliers, unlike_repeats};
+use crate::record::plausibility::outliers;
+use crate::record::plausibility::unlike_repeats;
 use rayon::prelude::*;
 
 /// Fits the paper's model; returns the data without outliers and with the noise that the fit shows.

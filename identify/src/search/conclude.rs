@@ -68,7 +68,7 @@ impl Search {
         (self.verdict(depends_on_test, carries_over), depends_on_test, carries_over)
     }
 
-    /// Tries the most promising sets with a further effect; returns whether one entered. With only noise left the rounds have
+    /// Tries the sets with a further effect that are predicted best; returns whether one entered. With only noise left the rounds have
     /// ended before them, but the parameters may depend on an effect hidden in the noise.
     fn try_further(&mut self) -> bool {
         let further = terms::added_to(&self.data, &self.chosen.model);

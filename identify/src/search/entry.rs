@@ -161,7 +161,7 @@ impl Search {
 /// Whether a fit has reached a minimum with credible parameters: a λ0 that the records determine (it is their purpose), and no
 /// recording fault so large that it has another cause.
 pub(super) fn is_credible(fit: &Fit) -> bool {
-    fit.converged && !fit.is_beyond_belief() && determines_lambda0(fit)
+    fit.converged && !fit.is_at_prior_limit() && determines_lambda0(fit)
 }
 
 /// Whether the records determine λ0 better than its first guess does, with the stated parameters free within their tolerances.
@@ -326,11 +326,11 @@ mod tests {
         for (name, ends) in [("sensor_offset", [true, true]), ("position_delay", [false, true])] {
             let model = Model::with(EffectSet::one(find(name).unwrap().0));
             let mut fit = fit_model(&data, model, &paper, &sizes).unwrap();
-            assert!(!fit.is_beyond_belief(), "{name}");
+            assert!(!fit.is_at_prior_limit(), "{name}");
             let last = fit.rig.len() - 1;
             for (end, is_beyond) in fit.hypothesis.axes[last].bounds.into_iter().zip(ends) {
                 fit.rig[last] = end;
-                assert_eq!(fit.is_beyond_belief(), is_beyond, "{name} {end}");
+                assert_eq!(fit.is_at_prior_limit(), is_beyond, "{name} {end}");
             }
         }
     }

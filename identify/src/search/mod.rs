@@ -1,14 +1,15 @@
 //! Searches for the terms that explain a rig's residual, or states that none of the known ones does.
 //!
 //! The paper's model is fitted, its residual gives the recording's noise, and the search begins: every term alone, then the
-//! better sets with every further term (one beam of all sets and one of those without per-record terms; sets are fitted if their
-//! first step promises most), pairs of the better ones, and each effect beside a delay. It ends where what is left is adequate or
-//! next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's evidence, or at sets of
-//! [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the recording, or initial temperatures
-//! of gas or wall. It enters by decisive evidence and a lower error on left-out data (`entry`). Per-record effects may become one
-//! effect of the rig (`pooling`), and data are reweighted as better models show their noise (`reweighting`). At the end each term
-//! must be decisive beside the others, also with the stated parameters far more uncertain than stated, or it is removed (`needed`).
-//! Where more than noise is left, the missing term is fitted to the residual as a curve (`curve`).
+//! better sets with every further term (one beam of all sets and one of those without per-record terms; sets are fitted if
+//! their first step is predicted to remove most), pairs of the better ones, and each effect beside a delay. It ends where what
+//! is left is adequate or next to nothing, where nothing enters and no set of the rig's effects can reach the chosen set's
+//! evidence, or at sets of [`policy::MOST_IN_ALL`] terms. A term is an effect of the rig, a per-record effect of the
+//! recording, or initial temperatures of gas or wall. It enters by decisive evidence and a lower error on left-out data
+//! (`entry`). Per-record effects may become one effect of the rig (`pooling`), and data are reweighted as better models show
+//! their noise (`reweighting`). At the end each term must be decisive beside the others, also with the stated parameters far
+//! more uncertain than stated, or it is removed (`needed`). Where more than noise is left, the missing term is fitted to the
+//! residual as a curve (`curve`).
 
 mod alike;
 mod at_zero;
@@ -157,7 +158,7 @@ fn search_as_stated(data: Data, progress: &(dyn Fn(&str, f64) + Sync)) -> Result
     let mut search = Search::new(data, baseline, adequacy);
     progress("one term at a time", 0.1);
     search.first_round();
-    search.refuse_hopeless()?;
+    search.refuse_implausible_coefficient()?;
     search.reweigh();
     search.pool();
     let mut level = 1;
@@ -246,7 +247,7 @@ impl Search {
 
     /// Refuses a coefficient that no single term brings near the plausible range: with a wrong unit of time the search would
     /// continue to the end with ever larger sets.
-    fn refuse_hopeless(&self) -> Result<(), Error> {
+    fn refuse_implausible_coefficient(&self) -> Result<(), Error> {
         let far = policy::FIRST_GUESS_REACH.exp();
         let (least, most) = (*policy::PLAUSIBLE_COEFFICIENT.start() / far, *policy::PLAUSIBLE_COEFFICIENT.end() * far);
         let is_near = |c: &Candidate| (least..most).contains(&c.fit.chamber().heat_transfer.coefficient);
@@ -343,7 +344,7 @@ impl Search {
 
     /// The best sets of `terms` terms with credible parameters: those that imitate another cause would crowd them out.
     fn best_of(&self, terms: usize, most: usize, suits: impl Fn(&Model) -> bool) -> Vec<Model> {
-        let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_beyond_belief();
+        let is_a_rigs = |fit: &Fit| fit.exhausted().is_none() && !fit.is_at_prior_limit();
         let is_extendable = |c: &&Candidate| c.delta_bic > 0.0 && is_a_rigs(&c.fit);
         let sets = self.tried.iter().filter(|c| c.model.terms() == terms).filter(is_extendable).map(|c| c.model);
         distinct(sets.filter(suits).collect()).into_iter().take(most).collect()
@@ -355,18 +356,18 @@ impl Search {
         self.tried.iter().find(is_of_rig).map_or(0.0, |c| c.delta_bic)
     }
 
-    /// The models whose first step promises the best evidence, some with per-record terms and some without.
-    fn promising(&self, models: Vec<Model>) -> Vec<Model> {
-        let promised =
-            |model: Model| Some((starts::promised_bic(&self.data, model, self.part_of(&model), &self.sizes)?, model));
-        let mut promised: Vec<(f64, Model)> = models.into_par_iter().filter_map(promised).collect();
-        promised.sort_by(|a, b| a.0.total_cmp(&b.0));
+    /// The models with the best evidence predicted for their first step, some with per-record terms and some without.
+    fn best_predicted(&self, models: Vec<Model>) -> Vec<Model> {
+        let predicted =
+            |model: Model| Some((starts::predicted_bic(&self.data, model, self.part_of(&model), &self.sizes)?, model));
+        let mut predicted: Vec<(f64, Model)> = models.into_par_iter().filter_map(predicted).collect();
+        predicted.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (of_records, of_rig): (Vec<Model>, Vec<Model>) =
-            promised.into_iter().map(|(_, model)| model).partition(Model::has_terms_of_records);
+            predicted.into_iter().map(|(_, model)| model).partition(Model::has_terms_of_records);
         [of_records, of_rig].into_iter().flat_map(|models| models.into_iter().take(policy::FITTED)).collect()
     }
 
-    /// Fits and judges the promising models of each group that were not tried yet; returns whether one entered. Those that
+    /// Fits and judges the best predicted models of each group that were not tried yet; returns whether one entered. Those that
     /// exhaust an effect do not enter.
     fn try_all(&mut self, groups: impl IntoIterator<Item = Vec<Model>>) -> bool {
         let fresh = |models: Vec<Model>| {
@@ -377,8 +378,8 @@ impl Search {
             };
             with_all_that_is_freed(models).into_iter().filter(is_fresh).collect()
         };
-        let promising = groups.into_iter().flat_map(|models| self.promising(fresh(models)));
-        let mut found = self.fit_all(&with_all_that_is_freed(promising.collect()));
+        let predicted = groups.into_iter().flat_map(|models| self.best_predicted(fresh(models)));
+        let mut found = self.fit_all(&with_all_that_is_freed(predicted.collect()));
         found.extend(found.par_iter().filter_map(|c| self.without_what_is_off(c)).collect::<Vec<_>>());
         sort(&mut found);
         let (mut found, exhausting): (Vec<Candidate>, _) = found.into_iter().partition(|c| c.fit.exhausted().is_none());

@@ -6,13 +6,14 @@ use super::{Candidate, Search, baseline, sort, terms};
 use crate::fit::{self, Fit, Until};
 use crate::judge::{adequacy, evidence, left_out, misfit};
 use crate::policy;
+use crate::record::colour;
 use crate::record::data::Data;
-use crate::record::{colour, outliers};
+use crate::record::plausibility::outliers;
 use rayon::prelude::*;
 
-/// The data as a fit shows them, with the noise of its residual if `tells_noise` or if that is far less than what was taken for
-/// noise; `None` where nothing changes.
-pub fn as_shown_by(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
+/// The data reweighted by a fit: with the outliers and timings that it shows, and with the noise of its residual if
+/// `tells_noise` or if that is far less than what was taken for noise; `None` where nothing changes.
+pub fn reweighted(data: &Data, fit: &Fit, tells_noise: bool) -> Option<Data> {
     let residuals = misfit::residuals(data, fit);
     let found = outliers::in_residuals(data, &residuals);
     let mut other = data.with_timings(&fit.sensor_timings(data));
@@ -37,7 +38,7 @@ impl Search {
     /// Restarts with the outliers and the noise that this fit shows and, where its records are moving averages, with the
     /// uncertainty of moves that these leave; returns whether the data have changed. The paper's model is then refitted.
     pub(super) fn reweigh_by(&mut self, best: &Fit) -> bool {
-        let Some(data) = as_shown_by(&self.data, best, true) else { return false };
+        let Some(data) = reweighted(&self.data, best, true) else { return false };
         self.restart(data);
         true
     }
@@ -48,7 +49,7 @@ impl Search {
     /// is refitted.
     pub(super) fn reweigh(&mut self) {
         let has_record_timings = self.chosen.model.per_record.iter().any(|e| terms::of_timing().has(e));
-        let Some(data) = as_shown_by(&self.data, &self.chosen.fit, has_record_timings) else { return };
+        let Some(data) = reweighted(&self.data, &self.chosen.fit, has_record_timings) else { return };
         self.restart(data);
         let mut tried = self.refitted(&self.tried);
         self.judge(&mut tried, policy::REJUDGED);
@@ -134,7 +135,7 @@ mod tests {
         for _ in 0..2 {
             fit = fit_model(&data, model, &fit, &search.sizes).unwrap();
             deviations.push(adequacy::test(&data, &fit).squares_deviations);
-            data = as_shown_by(&data, &fit, false).unwrap_or(data);
+            data = reweighted(&data, &fit, false).unwrap_or(data);
         }
         assert!(
             data.has_convection_errors() && data.noise.colours.is_empty() && data.noise.hum.is_none(),
@@ -150,6 +151,6 @@ mod tests {
         let found = fit.chamber().heat_transfer.coefficient;
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
         // A model without forced convection does not show this.
-        assert!(!as_shown_by(&data, &search.baseline.fit, false).unwrap().has_convection_errors());
+        assert!(!reweighted(&data, &search.baseline.fit, false).unwrap().has_convection_errors());
     }
 }

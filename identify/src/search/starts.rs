@@ -96,13 +96,13 @@ pub fn fit_by_size(data: &Data, model: Model, part: &Fit, sizes: &Sizes, until: 
 
 /// BIC that `model` would have if the best of its starts achieved the prediction for its first step: a cheap way to choose what
 /// to fit.
-pub fn promised_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
-    let promised = |(h, start): (Hypothesis, Descent)| {
-        let squares = fit::promise(data, &h, &start.rig, &start.records)? + fit::smoothed(data, &model);
+pub fn predicted_bic(data: &Data, model: Model, part: &Fit, sizes: &Sizes) -> Option<f64> {
+    let predicted = |(h, start): (Hypothesis, Descent)| {
+        let squares = fit::predicted_squares(data, &h, &start.rig, &start.records)? + fit::smoothed(data, &model);
         Some(evidence::of_squares(squares, part.blocks, h.freedom(0..data.traces.len())))
     };
     let begun = bases(data, part, &model).into_iter().flat_map(|base| begun(&base, data, model, part, sizes));
-    begun.collect::<Vec<_>>().into_par_iter().filter_map(promised).min_by(f64::total_cmp)
+    begun.collect::<Vec<_>>().into_par_iter().filter_map(predicted).min_by(f64::total_cmp)
 }
 
 /// The starts of `model` on a chamber, before any iteration.

@@ -78,7 +78,7 @@ impl Search {
         if !left_out::are_representative(&self.data) {
             return self.leaves_of_left_out(policy::MOST_GONE);
         }
-        left_out_pa < policy::LEFT_OPEN * fitted_pa
+        left_out_pa < policy::CARRIES_OVER_WITHIN_UNCERTAINTY * fitted_pa
             && left_out::squares_added(&self.data, &self.chosen.fit, &self.folds)
                 .is_some_and(|added| added < policy::CARRIES_OVER.powi(2))
     }

@@ -22,7 +22,7 @@ pub const PARAMETERS: usize = FIRST_VALUE + KNOTS;
 /// The table encoded by the parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// The term.
+    /// Which quantity of the balances, or of the sensor, the curve gives.
     pub term: Term,
     /// The variable it follows.
     pub variable: Variable,

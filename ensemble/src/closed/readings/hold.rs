@@ -134,7 +134,7 @@ impl BehindLag {
     pub fn shown(&self, time: Lanes) -> [Lanes; 2] {
         let Self { gas, per_lag, terms, fading, near: [power, distance, coefficient] } = self;
         let (since, left) = (time * *per_lag, (-(gas.rate * time)).exp());
-        let faded = filter::kept(since);
+        let faded = filter::decay_factor(since);
         let mut reading = in_powers(terms, left) + *fading * faded;
         if coefficient.abs().any_positive() {
             let x = *distance * since;

@@ -84,7 +84,7 @@ impl<'a> PushPressure<'a> {
     #[inline(always)]
     pub fn behind(&self, lag: Lanes, until: Lanes, before: Lanes) -> Lanes {
         let parts = self.tests.parts;
-        let mut reading = before * filter::kept((until + self.tests.push) / lag);
+        let mut reading = before * filter::decay_factor((until + self.tests.push) / lag);
         for index in 0..self.nodes.len() {
             // No closures: they would be compiled without the wide instructions.
             let [begin, end] = [index as f64, (index + 1) as f64];

@@ -32,7 +32,7 @@ macro_rules! each_constant {
     };
 }
 
-/// The factors of the rates by geometry and clock at one time.
+/// The factors of the rates by geometry and time transformation at one time.
 pub struct PlaceFactors<R> {
     /// Half the heat exchanged, over 1/√M: c √M (a1 V + a0)/(2 √V).
     pub exchange: R,
@@ -67,7 +67,7 @@ impl<R: Real> State<R> {
     }
 }
 
-/// The rates, per unit of the clock.
+/// The rates, per unit of transformed time.
 pub struct Rates<R> {
     /// Rates of the states.
     pub states: [R; 2],

@@ -1,9 +1,9 @@
 //! The paper's model with gas that leaves or enters, in lanes: beside the gas temperature, as in [`crate::systems::sealed`], the mass is a
-//! state. With the same clock and M = m R,
+//! state. With the same transformed time and M = m R,
 //!
 //! T'/T = c √M p (a1 w⁴ + a0) w (Tw − T)/√M − 4 (γ − 1) w'/w − (γ − 1) o + Σ i (γ Ti/T − 1),  M'/M = Σ i − o
 //!
-//! o, Σ i  outflow and inflows, each at its temperature Ti, over the mass of the gas, per unit of the clock. States are ν = 1/√M
+//! o, Σ i  outflow and inflows, each at its temperature Ti, over the mass of the gas, per unit of transformed time. States are ν = 1/√M
 //! and z = 1/√T: a power of the pressure is a power of their product, P V = (ν z)^−2, so that its ratio to the pressure outside needs
 //! no division, and one division, 1/(ν z w), gives all other quotients. As in [`crate::general`] steps are longer than with √T, and the
 //! integrals of heat, enthalpy and work over a step are independent of the integral of its states.
@@ -166,12 +166,12 @@ impl<L: Law> LaneSystem<2> for Moving<L> {
         self.constants.load(lane, &test.constants);
         self.turn[lane] = test.turn;
         self.work[lane] = self.gas.expansion_rate[lane] * 0.5;
-        self.width[lane] = test.constants.passage.width * 0.5 * test.gas.clock.pace_factor;
+        self.width[lane] = test.constants.passage.width * 0.5 * test.gas.transformation.pace_factor;
     }
 
     #[inline(always)]
     fn rates(&self, s: Lanes, &[per_root_mass, per_root]: &[Lanes; 2]) -> Moment<2> {
-        let w = self.gas.clock.root(s);
+        let w = self.gas.transformation.root(s);
         let (square, both) = (w * w, per_root_mass * per_root);
         // All quotients by one division.
         let per_all = (both * w).recip();
@@ -185,14 +185,14 @@ impl<L: Law> LaneSystem<2> for Moving<L> {
             work: self.work * per_w,
             outside: self.constants.passage.pressure * (square * square),
             width: if L::POWER == 1 { width } else { width * per_volume },
-            pace: self.gas.clock.pace_factor * (square * w),
+            pace: self.gas.transformation.pace_factor * (square * w),
         };
         let state = State { per_root_mass, per_root, root, root_energy, per_energy: both * both };
         let rates = self.constants.rates::<L>(&at, &state);
         let energy = root_energy * root_energy;
         let pressure = energy * per_volume;
         // V'/(2 V).
-        let widening = self.gas.clock.root_rate * per_w * 2.0;
+        let widening = self.gas.transformation.root_rate * per_w * 2.0;
         let rise = pressure * (rates.received - at.work - widening) * 2.0;
         let view = View { value: [pressure, Lanes::ZERO], slope: [rise, Lanes::ZERO] };
         let twice = energy + energy;
@@ -206,7 +206,7 @@ impl<L: Law> LaneSystem<2> for Moving<L> {
 
     #[inline(always)]
     fn widening(&self, at: Lanes) -> Lanes {
-        self.gas.clock.widening(at)
+        self.gas.transformation.widening(at)
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 //! dT/ds = T (q u − 4 (γ − 1) w'/w),  du/ds = n u/(T − Tw) dT/ds,  q = c p (a1 w⁴ + a0) w (Tw − T)
 //!
 //! starting, from near T = Tw, where the solution has no power series, with a series of another kind ([`start`]) and with the bent
-//! clock. While it rests T − Tw cancels in the second equation:
+//! transformation. While it rests T − Tw cancels in the second equation:
 //!
 //! dT/dt = k u T (Tw − T),  du/dt = −n k T u²,  k = c Aq/√V
 //!
@@ -18,9 +18,9 @@ mod start;
 
 use crate::instructions::Wide;
 use crate::integrator::advance::LONGEST;
-use crate::integrator::clock::Clock;
 use crate::integrator::problem::Problem;
 use crate::integrator::step::{LaneSystem, Moment, View};
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::lanes::math;
 use crate::lanes::{Lanes, WIDTH};
 use crate::plan::starts_singular;
@@ -51,7 +51,7 @@ pub struct NaturalConvectionTest {
     pub exponent: f64,
     /// Whether it starts at the wall's temperature.
     from_rest: bool,
-    /// Place of the clock where the integration begins, s, and heat received and work until then, over m cv, K.
+    /// Transformed time at which the integration begins, s, and heat received and work until then, over m cv, K.
     begun: f64,
     energy: [f64; 2],
 }
@@ -84,7 +84,7 @@ impl TestSystem<2> for NaturalConvectionTest {
     fn new(s: &Scenario) -> Self {
         let (mut gas, from_rest) = (SealedTest::new(s), s.initial_temperature_k == s.ambient_temperature_k);
         if from_rest {
-            gas.clock = gas.clock.bent(s.push_time_s);
+            gas.transformation = gas.transformation.bent(s.push_time_s);
         }
         Self { gas, exponent: exponent(s), from_rest, begun: 0.0, energy: [0.0; 2] }
     }
@@ -104,7 +104,7 @@ impl TestSystem<2> for NaturalConvectionTest {
             let begun = arch.dispatch(Wide(&pushes(tests, problems)));
             for (lane, (test, problem)) in tests.iter_mut().zip(problems).enumerate() {
                 if test.from_rest {
-                    test.begun = begun.clock[lane];
+                    test.begun = begun.transformed_time[lane];
                     test.energy = begun.energy.map(|energy| energy[lane]);
                     problem.length -= test.begun;
                     problem.state = begun.state.map(|state| state[lane]);
@@ -129,10 +129,10 @@ impl TestSystem<2> for NaturalConvectionTest {
 fn pushes(tests: &[NaturalConvectionTest], problems: &[Problem<2>]) -> Pushes {
     let at = |lane: usize| lane.min(tests.len() - 1);
     let gas = |lane: usize| &tests[at(lane)].gas;
-    let mut clock = Clock::default();
-    (0..WIDTH).for_each(|lane| clock.load(lane, &gas(lane).clock));
+    let mut transformation = TimeTransformation::default();
+    (0..WIDTH).for_each(|lane| transformation.load(lane, &gas(lane).transformation));
     Pushes {
-        clock,
+        transformation,
         exponent: Lanes::from_fn(|lane| tests[at(lane)].exponent),
         expansion: Lanes::from_fn(|lane| gas(lane).closed.expansion),
         exchange: [0, 1].map(|of| Lanes::from_fn(|lane| gas(lane).closed.exchange[of])),
@@ -146,7 +146,7 @@ fn pushes(tests: &[NaturalConvectionTest], problems: &[Problem<2>]) -> Pushes {
 pub struct Moving {
     gas: sealed::Moving,
     exponent: Lanes,
-    /// Place of the clock at the start, s.
+    /// Transformed time at the start, s.
     begun: Lanes,
 }
 
@@ -174,8 +174,8 @@ impl LaneSystem<2> for Moving {
 
     #[inline(always)]
     fn rates(&self, r: Lanes, &[state, factor]: &[Lanes; 2]) -> Moment<2> {
-        let [s, rate] = self.gas.clock.unbent(self.begun + r);
-        let root = self.gas.clock.root(s);
+        let [s, rate] = self.gas.transformation.unbent(self.begun + r);
+        let root = self.gas.transformation.root(s);
         let temperature = state * state;
         let warmer = self.gas.wall - temperature;
         // Heat over m cv T (Tw − T), and work over m cv T.

@@ -13,7 +13,7 @@ use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
 use crate::regression::Records;
 use crate::systems::adaptive;
-use crate::systems::list::Way;
+use crate::systems::list::Method;
 use crate::systems::test_system::TestSystem;
 use chamber::AreaLaw;
 
@@ -29,7 +29,7 @@ pub struct Memory {
     relaxing: relaxation_rows::Memory,
 }
 
-impl Way for Memory {
+impl Method for Memory {
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         let law = |row: &u32| batch.scenarios[*row as usize].chamber.geometry.area_law;
         rows.sort_by_key(|row| law(row) == AreaLaw::Swept);

@@ -1,6 +1,6 @@
-//! The start of a push from the wall's temperature with a heat flow proportional to |T − Tw|^p, p = 1 + n: T has no power series in time
-//! there, but one in two variables. With d = |w'| s/w0 of the clock ([`crate::integrator::clock`]), e = 4 (γ − 1), σ = 1 for a
-//! compression and −1 for an expansion, x = |T/Tw − 1| and H the heat lost over m cv T,
+//! The start of a push from the wall's temperature with a heat flow proportional to |T − Tw|^p, p = 1 + n: T has no power series in
+//! time there, but one in two variables. With d = |w'| s/w0 of the transformed time ([`crate::integrator::time_transformation`]), e
+//! = 4 (γ − 1), σ = 1 for a compression and −1 for an expansion, x = |T/Tw − 1| and H the heat lost over m cv T,
 //!
 //! T/Tw = (1 − σ d)^(−e) e^(−σ H),  dH/dd = κ f(d) x^p,  f = (a1 V + a0) w over its first value,  κ = f0 Tw |Tw/20 K|^n w0/|w'|
 //!
@@ -11,7 +11,7 @@
 //!
 //! T in K, V in m³, f0 in 1/(K s); d, y, x and H are pure numbers.
 
-use crate::integrator::clock::Clock;
+use crate::integrator::time_transformation::TimeTransformation;
 use crate::lanes::Lanes;
 use crate::lanes::math;
 use chamber::effects::natural_convection::REFERENCE_DIFFERENCE_K;
@@ -31,8 +31,8 @@ type Terms = [Lanes; TERMS];
 
 /// Pushes, one per lane.
 pub struct Pushes {
-    /// Their clocks, bent.
-    pub clock: Clock<Lanes>,
+    /// Their transformations of time, bent.
+    pub transformation: TimeTransformation<Lanes>,
     /// n.
     pub exponent: Lanes,
     /// γ − 1.
@@ -47,8 +47,8 @@ pub struct Pushes {
 
 /// The end of the series.
 pub struct Begun {
-    /// Place of the clock, s.
-    pub clock: Lanes,
+    /// Transformed time, s.
+    pub transformed_time: Lanes,
     /// √T and |(T − Tw)/20 K|^n.
     pub state: [Lanes; 2],
     /// Heat received, and work, over m cv, K.
@@ -100,15 +100,15 @@ impl WithSimd for &Pushes {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> Begun {
-        let Pushes { clock, exponent, expansion, exchange, wall, length } = black_box(self);
+        let Pushes { transformation, exponent, expansion, exchange, wall, length } = black_box(self);
         let (exponent, wall, p) = (*exponent, *wall, *exponent + 1.0);
-        let root = clock.root(Lanes::ZERO);
-        let narrowing = clock.root_rate / root;
+        let root = transformation.root(Lanes::ZERO);
+        let narrowing = transformation.root_rate / root;
         let (sign, rate) = (narrowing.where_positive(-Lanes::ONE, Lanes::ONE), narrowing.abs());
         let square = root * root;
         let lateral = exchange[0] * (square * square);
         let area = lateral + exchange[1];
-        let speed = clock.pace_factor * root * area * wall / rate;
+        let speed = transformation.pace_factor * root * area * wall / rate;
         let e = *expansion * 4.0;
         let per_reference = wall * (1.0 / REFERENCE_DIFFERENCE_K);
         let heat_over_work = |d: Lanes| speed * d * black_box(math::power(per_reference * e * d, exponent));
@@ -146,7 +146,7 @@ impl WithSimd for &Pushes {
         let factor = black_box(math::power(per_reference * above.abs(), exponent));
         let received = -wall * loss * (Lanes::ONE + above * ((p + 1.0) / (p + 2.0)));
         black_box(Begun {
-            clock: clock.bent_to(d / rate),
+            transformed_time: transformation.bent_to(d / rate),
             state: [(wall + wall * above).sqrt(), factor],
             energy: [received, received - wall * above],
         })
@@ -186,14 +186,14 @@ mod tests {
         ) {
             prop_assume!((ratio - 1.0).abs() > 0.01);
             let (length, volume, expansion) = (0.3, 2e-5, 0.4);
-            let clock = Clock::new(volume, volume * ratio, length).bent(length);
-            let root = clock.root(0.0);
+            let transformation = TimeTransformation::new(volume, volume * ratio, length).bent(length);
+            let root = transformation.root(0.0);
             // `speed` is f0 Tw |Tw/20 K|^n.
-            let exchange = speed / (clock.pace_factor * root * wall * (wall / REFERENCE_DIFFERENCE_K).powf(exponent));
-            let mut clocks = Clock::default();
-            (0..crate::lanes::WIDTH).for_each(|lane| clocks.load(lane, &clock));
+            let exchange = speed / (transformation.pace_factor * root * wall * (wall / REFERENCE_DIFFERENCE_K).powf(exponent));
+            let mut transformations = TimeTransformation::default();
+            (0..crate::lanes::WIDTH).for_each(|lane| transformations.load(lane, &transformation));
             let pushes = Pushes {
-                clock: clocks,
+                transformation: transformations,
                 exponent: exponent.into(),
                 expansion: expansion.into(),
                 exchange: [share * exchange / root.powi(4), (1.0 - share) * exchange].map(Lanes::from),
@@ -201,9 +201,9 @@ mod tests {
                 length: length.into(),
             };
             let begun = (&pushes).with_simd(pulp::Scalar::new());
-            let [s, _] = clock.unbent(begun.clock[2]);
+            let [s, _] = transformation.unbent(begun.transformed_time[2]);
             prop_assert!(s > 0.0 && s < 0.031 * length);
-            let narrowing = -clock.root_rate / root;
+            let narrowing = -transformation.root_rate / root;
             let (sign, d) = (narrowing.signum(), s * narrowing.abs());
             let strength = speed / narrowing.abs();
             let [lost, above] = integrated(4.0 * expansion, sign, 1.0 + exponent, strength, share, d);

@@ -17,7 +17,7 @@ use crate::integrator::problem::Problem;
 use crate::lanes::{Lanes, WIDTH};
 use crate::outcome::Outcome;
 use crate::regression::Records;
-use crate::systems::list::Way;
+use crate::systems::list::Method;
 use chamber::effects::wall_conduction::{KERNEL, MODES};
 use core::hint::black_box;
 use dense::{Passed, Settle};
@@ -50,7 +50,7 @@ fn goes_one_way(state: &[f64; N], wall: f64) -> bool {
     temperature < f64::INFINITY && excess.abs() > 0.0 && modes.iter().all(|mode| mode * excess >= 0.0)
 }
 
-impl Way for Memory {
+impl Method for Memory {
     fn solve(&mut self, batch: Batch, rows: &mut [u32], left: &mut Vec<u32>, out: &mut [Outcome]) {
         let Batch { arch, scenarios, options } = batch;
         let relative = relative(options);
@@ -107,7 +107,7 @@ fn hold(
     let [end, reached] = arch.dispatch(Wide(FollowHolds {
         gas: GasAndWall::of([cooling, feed], wall, pushed, modes),
         steps: HoldSteps { growth: OF_NODES, level, counts, last, relative: relative(options) },
-        kept: steps,
+        passed: steps,
     }));
     let [settling, good] = arch.dispatch(Wide(Settle { steps, ends: [pushed, end] }));
     let pressure_per_temperature = Lanes::from_fn(|lane| test(lane).gas.pressure_per_temperature());
@@ -136,7 +136,7 @@ fn hold(
 struct FollowHolds<'a> {
     gas: GasAndWall,
     steps: HoldSteps<'a>,
-    kept: &'a mut Vec<Passed>,
+    passed: &'a mut Vec<Passed>,
 }
 
 impl WithSimd for FollowHolds<'_> {
@@ -144,8 +144,8 @@ impl WithSimd for FollowHolds<'_> {
 
     #[inline(always)]
     fn with_simd<I: Simd>(self, _: I) -> [Lanes; 2] {
-        let Self { mut gas, steps, kept } = self;
-        let good = through(&mut gas, steps, kept);
+        let Self { mut gas, steps, passed } = self;
+        let good = through(&mut gas, steps, passed);
         black_box([gas.temperature, good])
     }
 }

@@ -1,10 +1,10 @@
 //! The push with a conducting wall and no other effect, in lanes: beside the gas temperature, as in [`crate::systems::sealed`], the modes of
-//! the wall over their weights k are states. With the same clock, and the symbols of [`crate::conduction`],
+//! the wall over their weights k are states. With the same transformed time, and the symbols of [`crate::conduction`],
 //!
 //! T'/T = q − 4 (γ − 1) w'/w,  q = c p (a1 w⁴ + a0) w (Ts − T),  Ts = Tw + Σ k y,  y' = f p w T (T − Ts) − μ p w³ y
 //!
-//! f is c m cv over the wall's effusivity, so that b is f/√V in the hold. The state of the gas is z = 1/√T, nearly linear in the clock,
-//! as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
+//! f is c m cv over the wall's effusivity, so that b is f/√V in the hold. The state of the gas is z = 1/√T, nearly linear in the
+//! transformed time, as in [`crate::general`]: one division, 1/(z w), gives all quotients. T in K, V in m³, energies over m cv.
 
 use crate::integrator::advance::LONGEST_OF_MOVE;
 use crate::integrator::problem::Problem;
@@ -28,7 +28,7 @@ pub const N: usize = 1 + MODES;
 /// One test.
 #[derive(Clone, Copy, Debug)]
 pub struct Test {
-    /// The gas and its clock, for a wall that does not warm.
+    /// The gas and its time transformation, for a wall that does not warm.
     pub gas: SealedTest,
     /// f.
     feed: f64,
@@ -80,12 +80,12 @@ impl LaneSystem<N> for Moving {
     #[inline(always)]
     fn load(&mut self, lane: usize, Test { gas, feed, .. }: &Test) {
         self.gas.load(lane, gas);
-        self.feed[lane] = feed * gas.clock.pace_factor;
+        self.feed[lane] = feed * gas.transformation.pace_factor;
     }
 
     #[inline(always)]
     fn rates(&self, s: Lanes, y: &[Lanes; N]) -> Moment<N> {
-        let root = self.gas.clock.root(s);
+        let root = self.gas.transformation.root(s);
         let square = root * root;
         let per_both = (root * y[0]).recip();
         let (per_root, root_temperature) = (per_both * y[0], per_both * root);
@@ -102,7 +102,7 @@ impl LaneSystem<N> for Moving {
         let colder = surface[0] + surface[1] - temperature;
         let (heat, work) = (self.gas.exchange_at([root, square]) * colder, self.gas.expansion_rate * per_root);
         let drive = -(self.feed * root * temperature * colder);
-        let fading = -(self.gas.clock.pace_factor * (square * root));
+        let fading = -(self.gas.transformation.pace_factor * (square * root));
         let mut slope = [y[0] * 0.5 * (work - heat); N];
         for mode in 0..MODES {
             // Otherwise the compiler vectorises across modes instead of lanes.

@@ -5,8 +5,8 @@
 
 use super::windows::Window;
 use crate::policy::DECISIVE;
+use crate::record::noise::whiten::{Observation, Whitener};
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
-use crate::record::whiten::{Observation, Whitener};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;

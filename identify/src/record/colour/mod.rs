@@ -136,7 +136,7 @@ fn nothing_but_hum(likelihood: &Likelihood<'_>, start: &Noise) -> Option<Hum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::between_rows::SensorTiming;
+    use crate::record::reconstruction::between_rows::SensorTiming;
     use crate::record::stroke::Phase;
     use crate::search::baseline;
     use crate::synthetic::Recipe;
