@@ -2,6 +2,7 @@
 //! a page of the book all derive from its [`Card`].
 
 use crate::gas::Gas;
+use crate::geometry::Geometry;
 use core::fmt;
 use core::ops::RangeInclusive;
 
@@ -110,6 +111,18 @@ pub enum Prior {
     Normal(Normal),
     /// A normal distribution that depends on the gas.
     OfGas(fn(&Gas) -> Normal),
+}
+
+/// Values of a parameter that a real chamber may have, where theory or experience narrows the bounds. Others can be simulated, but a
+/// diagnosis that finds one takes the effect for an imitation of something else.
+#[derive(Clone, Copy, Debug)]
+pub enum Plausible {
+    /// All within the bounds.
+    WithinBounds,
+    /// Those between two values.
+    Between(f64, f64),
+    /// Those above a value that depends on the geometry.
+    From(fn(&Geometry) -> f64),
 }
 
 /// Unit of a parameter or state: a power product of SI base units, from which its names follow.
@@ -231,6 +244,8 @@ pub struct Parameter {
     pub unit: Unit,
     /// Admissible values; others are refused.
     pub bounds: RangeInclusive<f64>,
+    /// Values that a real chamber may have.
+    pub plausible: Plausible,
     /// The value without effect, which is also the start value.
     pub neutral: f64,
     /// A typical value, used to start and scale a fit; never neutral.
@@ -250,12 +265,22 @@ impl Parameter {
         kind: Kind::Number,
         unit: Unit::One,
         bounds: f64::NEG_INFINITY..=f64::INFINITY,
+        plausible: Plausible::WithinBounds,
         neutral: 0.0,
         typical: 1.0,
         fitted: Fitted::Always,
         prior: Prior::Flat,
         doc: "",
     };
+
+    /// Values that a real chamber of this geometry may have.
+    pub fn plausible_values(&self, geometry: &Geometry) -> RangeInclusive<f64> {
+        match self.plausible {
+            Plausible::WithinBounds => self.bounds.clone(),
+            Plausible::Between(low, high) => low..=high,
+            Plausible::From(lowest) => lowest(geometry)..=*self.bounds.end(),
+        }
+    }
 
     /// The normal prior for a chamber with that gas, if it has one.
     pub fn prior(&self, gas: &Gas) -> Option<Normal> {

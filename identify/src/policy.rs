@@ -75,7 +75,7 @@ pub const EXCESS_REMOVED_BY_MOVES: f64 = 0.5;
 /// A number with a prior moves no farther than this many standard deviations from its prior mean. An offset of 25 kPa may be due
 /// to the altitude, but half a bar has another cause, which the number would imitate.
 pub const DEVIATIONS_BEFOREHAND: f64 = 5.0;
-/// An effect with a number beyond this fraction of the largest value that its card allows imitates something else: gas zones with
+/// An effect with a number beyond this fraction of the largest plausible value on its card imitates something else: gas zones with
 /// nine tenths of the gas in the core fit whatever reacts faster than one zone.
 pub const NEARLY_EXHAUSTED: f64 = 0.95;
 /// Scatter of an instrument's number between the records of one rig, as a fraction of the scatter between instruments: the

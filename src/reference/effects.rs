@@ -1,7 +1,7 @@
 //! The page of effects, from their cards.
 
 use super::{MADE, table};
-use chamber::card::{Card, ClosedForm, Fitted, Kind, Prior, Tried, Unit};
+use chamber::card::{Card, ClosedForm, Fitted, Kind, Parameter, Plausible, Prior, Tried, Unit};
 use chamber::{Gas, effects};
 use report::number::shortest;
 use std::fmt::Write;
@@ -17,6 +17,15 @@ fn page() -> String {
         page += &section(card);
     }
     page
+}
+
+/// The plausible values, where these are fewer than the bounds.
+fn plausible(p: &Parameter) -> String {
+    match p.plausible {
+        Plausible::WithinBounds => String::new(),
+        Plausible::Between(low, high) => format!("; plausible from {} to {}", shortest(low), shortest(high)),
+        Plausible::From(_) => "; plausible from a value that depends on the geometry".to_owned(),
+    }
 }
 
 /// Note on when a fit of the effect frees a parameter, if not always.
@@ -81,7 +90,7 @@ fn section(card: &Card) -> String {
                 shortest(p.neutral),
                 shortest(p.typical),
                 format!("{} to {}", shortest(*p.bounds.start()), shortest(*p.bounds.end())),
-                format!("{}{fitted}", p.doc),
+                format!("{}{fitted}{}", p.doc, plausible(p)),
             ]
         }),
     );

@@ -4,7 +4,7 @@
 //! equation (27) gives their volume. Source: a gas spring whose dead volume is a bottle (design finding 5).
 
 use super::Effect;
-use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Parameter, Plausible, Unit};
 use crate::real::Real;
 
 /// A constant added to the area law's area.
@@ -22,6 +22,7 @@ impl Effect for DeadVolumeSurface {
             name: "extra_area",
             unit: Unit::SquareMetre,
             bounds: -100.0..=100.0,
+            plausible: Plausible::From(|geometry| -geometry.heat_transfer_area(geometry.dead_volume)),
             typical: 1e-3,
             doc: "Area dA that exchanges heat beside that of the area law; the sum is never below zero",
             ..Parameter::DEFAULT

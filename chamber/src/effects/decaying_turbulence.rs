@@ -7,7 +7,7 @@
 //! Transfer and Turbulence in a Spark Ignition Engine, SAE 800287 (1980); both linear here.
 
 use super::Effect;
-use crate::card::{Balance, Card, OwnState, Parameter, Tried, Unit};
+use crate::card::{Balance, Card, OwnState, Parameter, Plausible, Tried, Unit};
 use crate::parts::{Conditions, Flows, Rates};
 use crate::real::Real;
 
@@ -27,6 +27,7 @@ impl Effect for DecayingTurbulence {
                 name: "coefficient",
                 unit: Unit::SecondPerMetre,
                 bounds: 0.0..=1e3,
+                plausible: Plausible::Between(0.0, 50.0),
                 typical: 2.0,
                 doc: "Coefficient k of the turbulence's share in the heat transfer coefficient",
                 ..Parameter::DEFAULT

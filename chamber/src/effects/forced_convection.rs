@@ -4,7 +4,7 @@
 //! 1930) with the piston speed as velocity, as Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::card::{Balance, Card, ClosedForm, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Parameter, Plausible, Unit};
 use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
@@ -28,6 +28,7 @@ impl Effect for ForcedConvection {
             name: "coefficient",
             unit: Unit::SpeedPower,
             bounds: 0.0..=1e3,
+            plausible: Plausible::Between(0.0, 50.0),
             typical: 1.0,
             doc: "Coefficient k of the speed's share in the heat transfer coefficient",
             ..Parameter::DEFAULT

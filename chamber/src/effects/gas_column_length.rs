@@ -4,7 +4,7 @@
 //! measured points (design finding 4), where a = −½ cuts the error of τ from 26 % to 5 %; three actuators only.
 
 use super::Effect;
-use crate::card::{Balance, Card, ClosedForm, Fitted, Parameter, Unit};
+use crate::card::{Balance, Card, ClosedForm, Fitted, Parameter, Plausible, Unit};
 use crate::parts::Conditions;
 use crate::real::Real;
 
@@ -23,6 +23,7 @@ impl Effect for GasColumnLength {
             Parameter {
                 name: "exponent",
                 bounds: -3.0..=3.0,
+                plausible: Plausible::Between(-1.5, 0.25),
                 typical: -0.5,
                 doc: "Exponent a of the gas column's length in the heat transfer coefficient; -1/2 by theory",
                 ..Parameter::DEFAULT

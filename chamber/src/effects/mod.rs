@@ -256,10 +256,13 @@ mod tests {
 
     #[test]
     fn cards_state_neutral_values_within_their_bounds_and_typical_ones_that_are_not_neutral() {
+        let geometry = section_31(AreaLaw::Total).geometry;
         for (_, card) in all() {
             assert!(!card.doc.is_empty() && !card.source.is_empty() && !card.equation.is_empty(), "{}", card.name);
             for p in card.parameters {
                 assert!(p.bounds.contains(&p.neutral) && p.bounds.contains(&p.typical), "{}.{}", card.name, p.name);
+                let plausible = p.plausible_values(&geometry);
+                assert!(plausible.contains(&p.neutral) && plausible.contains(&p.typical), "{}.{}", card.name, p.name);
                 assert!(p.neutral != p.typical || p.fitted != Fitted::Always, "{}.{}", card.name, p.name);
                 assert!(!p.doc.is_empty() && !p.doc.ends_with('.'), "{}.{}", card.name, p.name);
             }

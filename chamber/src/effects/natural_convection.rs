@@ -4,7 +4,7 @@
 //! Tw − T, finite at Tw = T. Source: Nu ∝ Ra^n, e.g. Incropera et al., chapter 9.
 
 use super::Effect;
-use crate::card::{Balance, Card, Parameter};
+use crate::card::{Balance, Card, Parameter, Plausible};
 use crate::parts::{Conditions, Rates};
 use crate::real::Real;
 
@@ -26,6 +26,7 @@ impl Effect for NaturalConvection {
         parameters: &[Parameter {
             name: "exponent",
             bounds: -0.5..=2.0,
+            plausible: Plausible::Between(-0.25, 1.0),
             typical: 0.25,
             doc: "Exponent n of the temperature difference in the heat transfer coefficient; 1/4 by theory",
             ..Parameter::DEFAULT

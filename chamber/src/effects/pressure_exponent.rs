@@ -4,7 +4,7 @@
 //! between 0.25 and 0.8 are in use, see Annand (1963) and Woschni (1967) for engine cylinders.
 
 use super::Effect;
-use crate::card::{Balance, Card, Fitted, Parameter};
+use crate::card::{Balance, Card, Fitted, Parameter, Plausible};
 use crate::parts::Conditions;
 use crate::real::Real;
 
@@ -22,6 +22,7 @@ impl Effect for PressureExponent {
             Parameter {
                 name: "pressure_exponent",
                 bounds: -2.0..=3.0,
+                plausible: Plausible::Between(-0.5, 1.5),
                 neutral: 0.5,
                 typical: 0.4,
                 doc: "Exponent nP of pressure in the heat transfer coefficient; 0.5 by Eichelberg",

@@ -60,14 +60,16 @@ impl Fit {
         self.rig.iter().zip(&self.hypothesis.axes).any(is_far)
     }
 
-    /// Returns an effect parameter close to a limit of its card's range, other than a limit at which the effect is off:
+    /// Returns an effect parameter close to a limit of its plausible values, other than a limit at which the effect is off:
     /// [`policy::NEARLY_EXHAUSTED`].
     pub fn exhausted(&self) -> Option<Slot> {
+        let geometry = self.chamber().geometry;
         let is_exhausted = |(x, axis): &(&f64, &Axis)| match axis.slot {
             Slot::Effect(effect, parameter) if axis.prior.is_none() && !axis.logarithmic => {
                 let card = &CARDS[effect].parameters[parameter];
                 let offset = axis.value(**x) - card.neutral;
-                let end = if offset < 0.0 { card.bounds.start() } else { card.bounds.end() };
+                let plausible = card.plausible_values(&geometry);
+                let end = if offset < 0.0 { plausible.start() } else { plausible.end() };
                 offset.abs() > policy::NEARLY_EXHAUSTED * (end - card.neutral).abs()
             }
             _ => false,

@@ -178,7 +178,7 @@ mod tests {
     use crate::record::data::Data;
     use crate::search::{Verdict, baseline};
     use crate::synthetic::Recipe;
-    use chamber::effects::{EffectSet, GasZones, NaturalConvection, find};
+    use chamber::effects::{EffectSet, GasColumnLength, GasZones, NaturalConvection, find};
 
     /// A search after its first fit, and a set with gas zones with nearly all gas in the core, much better than the rest.
     fn search_with_exhausted_zones() -> (Search, Candidate) {
@@ -204,6 +204,22 @@ mod tests {
         zones.fit.rig[fraction] = 0.0;
         zones.fit.rig[conductance] = zones.fit.hypothesis.axes[conductance].bounds[1];
         assert_eq!(zones.fit.exhausted(), None);
+    }
+
+    #[test]
+    fn a_coefficient_that_grows_with_the_gas_column_is_no_plausible_effect() {
+        let recipe = Recipe { repeats: 1, ..Recipe::from_seed(5) };
+        let search = Search::after_first_fit(&recipe);
+        let exhausted_with = |exponent: f64| {
+            let mut fit = search.baseline.fit.clone();
+            let model = Model::with(GasColumnLength::SET);
+            fit = fit_model(&search.data, model, &fit, &search.sizes).unwrap();
+            let column = fit.rig.len() - 1;
+            fit.rig[column] = exponent / fit.hypothesis.axes[column].scale;
+            fit.exhausted().map(|slot| slot.name())
+        };
+        assert_eq!(exhausted_with(-0.5), None);
+        assert_eq!(exhausted_with(0.7), Some("gas_column_length.exponent".to_owned()));
     }
 
     #[test]

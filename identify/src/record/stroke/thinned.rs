@@ -40,7 +40,7 @@ pub fn rows_in_mean(every: f64) -> f64 {
 
 /// Rows of the knots: `every` rows apart in the middle, at most half the distance to the nearer end of the move elsewhere.
 fn even_knots(n: usize, every: usize) -> Vec<usize> {
-    std::iter::successors(Some(0), |i| Some(i + ((*i).min(n - 1 - i) / 2).clamp(1, every)))
+    std::iter::successors(Some(0), |i| Some(i + ((*i).min((n - 1).saturating_sub(*i)) / 2).clamp(1, every)))
         .take_while(|i| *i < n)
         .collect()
 }
