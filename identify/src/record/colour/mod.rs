@@ -70,6 +70,7 @@ pub fn estimate(data: &Data, residuals: &[Vec<f64>], before: &Noise) -> Noise {
     let hum = if are_contrasts { None } else { slow_hum(data, residuals, &start) };
     let mut noise = likelihood.best(&Noise { hum, ..start.clone() }, longest_s, record_s);
     if !are_contrasts {
+        // A hum that rests do not show is the slow misfit of a missing effect.
         if noise.hum.is_some() && !rests.allow(&Noise { colours: Vec::new(), ..noise.clone() }) {
             noise = Likelihood { fewest_periods: f64::INFINITY, ..likelihood }.best(&start, longest_s, record_s);
         }

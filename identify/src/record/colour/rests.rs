@@ -87,19 +87,23 @@ impl Rests {
                 let reduced = all.iter().map(|colour| Colour { sd_pa: factor * colour.sd_pa, ..*colour });
                 noise.colours = reduced.collect();
             });
-            return noise;
+        } else {
+            self.reduce_slowest_first(&mut noise);
         }
+        noise.colours.retain(|colour| colour.sd_pa > 0.0);
+        noise
+    }
+
+    fn reduce_slowest_first(&self, noise: &mut Noise) {
         let mut slowest_first: Vec<usize> = (0..noise.colours.len()).collect();
         slowest_first.sort_by(|&a, &b| noise.colours[b].time_s.total_cmp(&noise.colours[a].time_s));
         for k in slowest_first {
             let sd_pa = noise.colours[k].sd_pa;
-            self.reduce(&mut noise, |noise, factor| noise.colours[k].sd_pa = factor * sd_pa);
-            if self.allow(&noise) {
+            self.reduce(noise, |noise, factor| noise.colours[k].sd_pa = factor * sd_pa);
+            if self.allow(noise) {
                 break;
             }
         }
-        noise.colours.retain(|colour| colour.sd_pa > 0.0);
-        noise
     }
 
     /// Sets the largest size that the rests allow, zero if they allow none: `set` takes the fraction of the present size.
