@@ -8,7 +8,7 @@ use crate::policy::DECISIVE;
 use crate::record::noise::whiten::{Observation, Whitener};
 use crate::record::noise::{Colour, FLICKER_COLOURS, Hum, Noise};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 /// Spacing of the trial frequencies, in periods of the longest window.
@@ -248,11 +248,9 @@ impl Likelihood<'_> {
     /// its sine and cosine then cancel where they follow something else.
     fn agrees_with_scatter(&self, noise: &Noise) -> bool {
         let Some(hum) = noise.hum else { return true };
-        // The mean of a sine with a random phase has sinc² times the variance of the sine.
         let of_a_sine = |w: &Window| {
             let n = w.values.len() as f64;
-            let half_turn = PI * hum.frequency_hz * w.distance_s * n;
-            n * (1.0 - (half_turn.sin() / half_turn).powi(2))
+            n * (1.0 - hum.share_of_mean(w.distance_s * n))
         };
         let seen: f64 = self.windows.iter().map(Window::squares).sum();
         let expected: f64 = self.windows.iter().map(of_a_sine).sum();

@@ -17,7 +17,7 @@ use crate::record::noise::{Colour, Hum, Noise};
 use crate::record::stroke::Phase;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Parts of a rest: enough to show a process as slow as the rest, and few enough for the white part to average out.
 const PARTS: usize = 8;
@@ -142,52 +142,40 @@ fn covariance_about_mean(rest: &Rest, noise: &Noise) -> DMatrix<f64> {
     let white = noise.white_pa * noise.white_pa / rest.readings as f64;
     let covariance = DMatrix::from_fn(PARTS, PARTS, |i, j| {
         let apart = i.abs_diff(j);
-        let coloured: f64 = noise.colours.iter().map(|colour| of_means(colour, rest.part_s, apart)).sum();
-        let hum = noise.hum.map_or(0.0, |hum| of_means_of_hum(&hum, rest.part_s, apart));
+        let coloured: f64 = noise.colours.iter().map(|colour| colour.covariance_of_means(rest.part_s, apart)).sum();
+        let hum = noise.hum.map_or(0.0, |hum| of_hum(&hum, rest.part_s, apart));
         if apart == 0 { white + coloured + hum } else { coloured + hum }
     });
     let centre = DMatrix::identity(PARTS, PARTS) - DMatrix::from_element(PARTS, PARTS, 1.0 / PARTS as f64);
     &centre * covariance * &centre
 }
 
-/// Covariance of the means of an Ornstein–Uhlenbeck process over two intervals of this length, s, that many intervals apart, Pa².
-fn of_means(colour: &Colour, length_s: f64, apart: usize) -> f64 {
-    let u = length_s / colour.time_s;
-    let share = match apart {
-        _ if u < 1e-5 => 1.0 - u * (apart as f64).max(1.0 / 3.0),
-        0 => 2.0 * (u + (-u).exp_m1()) / (u * u),
-        _ => ((-u).exp_m1() / u).powi(2) * (-u * (apart - 1) as f64).exp(),
-    };
-    colour.sd_pa * colour.sd_pa * share
-}
-
-/// The same for a hum, whose phase hardly changes over an interval.
-fn of_means_of_hum(hum: &Hum, length_s: f64, apart: usize) -> f64 {
-    let half_turn = PI * hum.frequency_hz * length_s;
+/// Covariance of the means of a hum over two intervals of this length, s, that many intervals apart, Pa². Its phase hardly changes
+/// within one.
+fn of_hum(hum: &Hum, length_s: f64, apart: usize) -> f64 {
     let distance_s = length_s * apart as f64;
     let correlation = (TAU * hum.frequency_hz * distance_s).cos() * (-distance_s / hum.coherence_s).exp();
-    (hum.sd_pa * half_turn.sin() / half_turn).powi(2) * correlation
+    hum.sd_pa * hum.sd_pa * hum.share_of_mean(length_s) * correlation
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::synthetic::Random;
+    use crate::synthetic::recording::Disturbance;
 
     const STEP_S: f64 = 0.01;
 
     /// Rests of two seconds with white noise of 60 Pa and these processes.
     fn rests_with(colours: &[Colour], count: usize, random: &mut Random) -> Rests {
         let mut rest = || {
-            let mut states: Vec<f64> = colours.iter().map(|colour| colour.sd_pa * random.normal()).collect();
-            let mut reading = || {
-                for (state, colour) in states.iter_mut().zip(colours) {
-                    let keeps = (-STEP_S / colour.time_s).exp();
-                    *state = keeps * *state + colour.sd_pa * (1.0 - keeps * keeps).sqrt() * random.normal();
-                }
-                states.iter().sum::<f64>() + 60.0 * random.normal()
-            };
-            Rest::of(&(0..200).map(|_| reading()).collect::<Vec<f64>>(), STEP_S).unwrap()
+            let mut values: Vec<f64> = (0..200).map(|_| 60.0 * random.normal()).collect();
+            for Colour { sd_pa, time_s } in colours {
+                let disturbance = Disturbance::Autoregressive { sd_pa: *sd_pa, correlation: (-STEP_S / time_s).exp() };
+                let added = disturbance.rows(values.len(), STEP_S.recip(), random);
+                values.iter_mut().zip(added).for_each(|(value, more)| *value += more);
+            }
+            Rest::of(&values, STEP_S).unwrap()
         };
         Rests((0..count).map(|_| rest()).collect())
     }
@@ -264,21 +252,5 @@ mod tests {
     #[test]
     fn without_rests_the_noise_stays() {
         assert_eq!(Rests(Vec::new()).limit(noise_of(&[SLOW])), noise_of(&[SLOW]));
-    }
-
-    #[test]
-    fn the_covariance_of_means_is_the_double_integral_of_the_processes_covariance() {
-        const POINTS: usize = 400;
-        for time_s in [0.03, 0.4, 5.0, 1e6] {
-            let colour = Colour { sd_pa: 3.0, time_s };
-            for apart in 0..3 {
-                let at = |i: usize, part: usize| (i as f64 + 0.5) / POINTS as f64 + part as f64;
-                let pairs = (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j)));
-                let sum: f64 = pairs.map(|(i, j)| (-(at(j, apart) - at(i, 0)).abs() / time_s).exp()).sum();
-                let expected = 9.0 * sum / (POINTS * POINTS) as f64;
-                let found = of_means(&colour, 1.0, apart);
-                assert!((found - expected).abs() < 2e-4 * 9.0, "{time_s} {apart}: {found} {expected}");
-            }
-        }
     }
 }

@@ -11,6 +11,7 @@ use crate::record::sampling::readout::Readout;
 use crate::record::series::lattice::lattice;
 use crate::record::stroke::{Motion, Phase, Segment};
 use records::{noise_of_second_differences, second_differences};
+use std::f64::consts::PI;
 
 /// Coloured noise: an Ornstein–Uhlenbeck process.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,13 +25,19 @@ pub struct Colour {
 impl Colour {
     /// Its variance about the mean of a record of this length, Pa².
     pub fn power_within(&self, record_s: f64) -> f64 {
-        let times = record_s / self.time_s;
-        let of_the_mean = match times {
-            _ if times < 1e-3 => 1.0 - times / 3.0,
-            _ if times.is_infinite() => 0.0,
-            _ => 2.0 * (times + (-times).exp_m1()) / (times * times),
+        self.sd_pa * self.sd_pa - self.covariance_of_means(record_s, 0)
+    }
+
+    /// Covariance of its means over two intervals of this length, s, that many intervals apart, Pa².
+    pub fn covariance_of_means(&self, length_s: f64, apart: usize) -> f64 {
+        let u = length_s / self.time_s;
+        let share = match apart {
+            _ if u.is_infinite() => 0.0,
+            _ if u < 1e-5 => 1.0 - u * (apart as f64).max(1.0 / 3.0),
+            0 => 2.0 * (u + (-u).exp_m1()) / (u * u),
+            _ => ((-u).exp_m1() / u).powi(2) * (-u * (apart - 1) as f64).exp(),
         };
-        self.sd_pa * self.sd_pa * (1.0 - of_the_mean)
+        self.sd_pa * self.sd_pa * share
     }
 }
 
@@ -43,6 +50,14 @@ pub struct Hum {
     pub frequency_hz: f64,
     /// Time over which it keeps its phase, s.
     pub coherence_s: f64,
+}
+
+impl Hum {
+    /// Variance of its mean over an interval of this length, s, as a fraction of its own.
+    pub fn share_of_mean(&self, length_s: f64) -> f64 {
+        let half_turn = PI * self.frequency_hz * length_s;
+        (half_turn.sin() / half_turn).powi(2)
+    }
 }
 
 /// Noise of the pressure readings.
@@ -443,5 +458,21 @@ mod tests {
         let quiet = Quiet { time_s: &time_s, pressure_pa: &pressure_pa, motion: &motion, readout: &readout };
         let noise = Noise::from_quiet_parts(&[quiet], None, None);
         assert!(noise.sticks && (noise.step_pa / STEP_PA - 1.0).abs() < 1e-6, "{noise:?}");
+    }
+
+    #[test]
+    fn the_covariance_of_means_is_the_double_integral_of_the_processes_covariance() {
+        const POINTS: usize = 400;
+        for time_s in [0.03, 0.4, 5.0, 1e6] {
+            let colour = Colour { sd_pa: 3.0, time_s };
+            for apart in 0..3 {
+                let at = |i: usize, part: usize| (i as f64 + 0.5) / POINTS as f64 + part as f64;
+                let pairs = (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j)));
+                let sum: f64 = pairs.map(|(i, j)| (-(at(j, apart) - at(i, 0)).abs() / time_s).exp()).sum();
+                let expected = 9.0 * sum / (POINTS * POINTS) as f64;
+                let found = colour.covariance_of_means(1.0, apart);
+                assert!((found - expected).abs() < 2e-4 * 9.0, "{time_s} {apart}: {found} {expected}");
+            }
+        }
     }
 }
