@@ -112,7 +112,7 @@ pub enum Error {
         table: &'static str,
         /// Line, counted from 1.
         line: usize,
-        /// The problem.
+        /// What is wrong in that line.
         reason: String,
     },
 }

@@ -6,7 +6,7 @@
 pub struct Section {
     /// Heading of the section.
     pub title: String,
-    /// Its content.
+    /// Paragraphs, tables and figures in the order in which they appear.
     pub blocks: Vec<Block>,
 }
 
@@ -20,7 +20,7 @@ pub enum Block {
     Verdict {
         /// The kind, as one word.
         kind: &'static str,
-        /// The text.
+        /// One or more sentences beside it.
         text: String,
     },
     /// Items of a list.

@@ -78,17 +78,17 @@ impl Candidate {
 /// Result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The verdict.
+    /// How far the final model accounts for the records.
     pub verdict: Verdict,
     /// The paper's model.
     pub baseline: Candidate,
-    /// Its adequacy.
+    /// What the model of the paper leaves, tested against noise and accuracy.
     pub baseline_adequacy: Adequacy,
     /// Every model tried, best evidence first, except that an accepted curve precedes all others.
     pub tried: Vec<Candidate>,
     /// The final model; the paper's where nothing entered.
     pub chosen: Candidate,
-    /// Its adequacy.
+    /// What the final model leaves, tested in the same way.
     pub chosen_adequacy: Adequacy,
     /// The models chosen on the way, from the paper's to the last: usually with one term more than the one before, or one
     /// exchanged.

@@ -52,7 +52,7 @@ pub struct Move {
     pub length_s: f64,
     /// Start and end position, m.
     pub ends_m: [f64; 2],
-    /// Its course.
+    /// How speed varies from start to end.
     pub shape: Shape,
 }
 

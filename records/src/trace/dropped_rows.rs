@@ -15,7 +15,7 @@ const MOST: usize = super::reading::MAX_ROWS / ONE_IN + 1;
 pub struct DroppedRow {
     /// Its line in the file, from 1.
     pub line: usize,
-    /// Its problem.
+    /// Why it is no data.
     pub reason: RowProblem,
 }
 

@@ -12,7 +12,7 @@ pub struct Finished<'a> {
     pub folder: &'a Folder<'a>,
     /// Its index among the study's parts, from 0.
     pub part: u64,
-    /// Its record.
+    /// What the run writes down of this part.
     pub record: Record,
     /// Its file, still with a temporary name; `None` if the rows are not kept.
     pub file: Option<Ended>,

@@ -19,7 +19,7 @@ use std::ops::RangeInclusive;
 pub struct Refused {
     /// The quantity of the value.
     pub quantity: usize,
-    /// The problem.
+    /// Why it is refused, as a sentence for the user.
     pub message: String,
 }
 

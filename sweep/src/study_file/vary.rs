@@ -52,7 +52,7 @@ pub struct VariedAxis<'a> {
     pub entry: Field<'a>,
     /// The quantity and its column.
     pub varied: Varied,
-    /// Its values.
+    /// A list or a range of its levels.
     pub axis: Axis,
     /// Whether it is drawn from the model's uncertainty.
     of_model: bool,
